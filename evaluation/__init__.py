@@ -1,0 +1,1 @@
+"""Protocols, metrics, weight rules and rival methods: what is measured and how."""

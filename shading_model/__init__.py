@@ -1,0 +1,1 @@
+"""The approximate shading model: arrays in, arrays out."""

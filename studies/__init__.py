@@ -1,0 +1,4 @@
+"""Two-alternative forced-choice (2AFC) studies: design, server, response store and analysis.
+
+No module stands here yet; the package holds the name.
+"""
