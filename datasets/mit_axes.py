@@ -29,7 +29,7 @@ def harmonics_from_mit_axes(coefficients: Float) -> Float:
     -------
     array of the same shape
         Coefficients for `shading_model.illumination.harmonics`: the same shading of the same
-            surface; only signs and order change.
+        surface; only signs and order change.
 
     Raises
     ------
