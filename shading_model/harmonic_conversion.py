@@ -35,6 +35,7 @@ def visible_normals(count: int = _NORMAL_COUNT) -> Normals:
     Parameters
     ----------
     count : int
+        Number of normals.
 
     Returns
     -------
@@ -79,7 +80,7 @@ def log_to_linear(light: LogHarmonics) -> LinearHarmonics:
     """
     normals = visible_normals()
     coefficients, *_ = np.linalg.lstsq(harmonics(normals), light.shade(normals), rcond=None)
-    return LinearHarmonics(coefficients)
+    return LinearHarmonics(np.asarray(coefficients, dtype=np.float64))
 
 
 def linear_to_log(light: LinearHarmonics) -> LogHarmonics:
@@ -176,6 +177,7 @@ def rotate(illumination: Harmonics, rotation: Float) -> Harmonics:
     Parameters
     ----------
     illumination : LogHarmonics or LinearHarmonics
+        Coefficients of shape (9,) or (9, 3).
     rotation : (3, 3) array
         Rotation matrix acting on column vectors (x right, y up, z toward the viewer).
 
@@ -226,7 +228,7 @@ def _rotation_of_coefficients(rotation: Float) -> Float:
     front = visible_normals(64)
     normals = np.concatenate([front, -front])
     matrix, *_ = np.linalg.lstsq(harmonics(normals), harmonics(normals @ rotation), rcond=None)
-    return matrix
+    return np.asarray(matrix, dtype=np.float64)
 
 
 def _check_rotation(rotation: Float) -> Float:
