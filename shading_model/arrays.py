@@ -79,7 +79,9 @@ def check_image(image: Image, mask: Mask) -> Image:
         count = int((inside < 0).any(axis=-1).sum())
         raise RelightlabError(f"the photograph has {count} negative pixels inside the mask")
     if not (inside > 0).any():
-        raise RelightlabError("the photograph is black all over the mask: there is nothing to relight")
+        raise RelightlabError(
+            "the photograph is black all over the mask: there is nothing to relight"
+        )
     return checked
 
 
