@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 
 import numpy as np
-import OpenEXR  # type: ignore[import-not-found]
+import OpenEXR
 
 from datasets.atomic import atomic_path
 from shading_model.arrays import Image
