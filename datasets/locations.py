@@ -69,8 +69,8 @@ def usual_places(*, cache: Path | None = None) -> tuple[Path, ...]:
 
     Examples
     --------
-    >>> usual_places(cache=Path("cache"))[0]
-    PosixPath('cache')
+    >>> str(usual_places(cache=Path("cache"))[0])
+    'cache'
     """
     checkout = Path(__file__).resolve().parents[1]
     beside = [folder.parent / "shared" / "data" for folder in (checkout, Path.cwd())]
@@ -84,8 +84,8 @@ def download_root(explicit: Path | None = None, *, cache: Path | None = None) ->
 
     Examples
     --------
-    >>> download_root(Path("here"))
-    PosixPath('here')
+    >>> str(download_root(Path("here")))
+    'here'
     """
     named = os.environ.get(ENVIRONMENT_VARIABLE)
     return explicit or (Path(named) if named else None) or cache or user_cache()
