@@ -26,6 +26,9 @@ from shading_model.errors import RelightlabError
 from shading_model.harmonic_conversion import visible_normals
 
 
+LAMP_RADIUS = 12 * math.pi / 256
+
+
 @pytest.fixture
 def map_folder() -> Path:
     """The measured environment maps, where they are present."""
@@ -39,7 +42,7 @@ def map_folder() -> Path:
 def lamp(direction: tuple[float, float, float], height: int = 256) -> Float:
     """A map that is black but for a small white lamp in the given direction."""
     cosine = directions(height, 2 * height) @ np.array(direction)
-    return np.where(cosine[..., None] > math.cos(0.15), 1.0, np.zeros(3))
+    return np.where(cosine[..., None] > math.cos(LAMP_RADIUS), 1.0, np.zeros(3))
 
 
 def test_directions_are_unit_and_turn_to_the_right() -> None:
@@ -63,7 +66,7 @@ def test_a_lamp_is_brightest_on_the_surface_that_faces_it(
 ) -> None:
     """The irradiance of a lamp is largest, near its closed form, on the normal toward it."""
     light = irradiance_harmonics(lamp(direction))
-    solid_angle = 2 * math.pi * (1 - math.cos(0.15))
+    solid_angle = 2 * math.pi * (1 - math.cos(LAMP_RADIUS))
     facing = light.shade(np.array([direction]))[0, 0]
     assert light.shade(visible_normals()).max() <= facing * 1.01
     # Nine harmonics give a lamp 17/16 of its cosine lobe's peak.
