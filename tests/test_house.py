@@ -77,7 +77,7 @@ def test_imports_point_down() -> None:
         and package != path.parts[0]
         and STOREY[package] >= STOREY[path.parts[0]]
     ]
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
 
 
 def test_packages_do_not_import_their_tests() -> None:
@@ -93,7 +93,7 @@ def test_ground_floor_has_no_files_and_no_clock() -> None:
         for name in sorted(imports_of(tree))
         if name.split(".")[0] in FILES_AND_CLOCKS or name == "importlib.resources"
     ]
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
 
 
 def test_ground_floor_does_not_read_write_or_print() -> None:
@@ -105,7 +105,7 @@ def test_ground_floor_does_not_read_write_or_print() -> None:
             on_files = call.startswith("np.") and call.removeprefix("np.") in FILE_CALLS
             if call in {"open", "print", "input"} or on_files or isinstance(node, ast.Global):
                 wrong.append(f"{path}:{node.lineno}: {ast.unparse(node)}")
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
 
 
 def test_modules_say_what_they_hold() -> None:
@@ -128,7 +128,7 @@ def test_public_functions_are_documented() -> None:
             sections = bool(NUMPYDOC_SECTION.search(text)) or is_method or is_command(node)
             if is_public(name) and not (summary.endswith((".", "?")) and sections):
                 wrong.append(f"{path}:{node.lineno}: {name}")
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
 
 
 def test_errors_are_documented() -> None:
@@ -142,7 +142,7 @@ def test_errors_are_documented() -> None:
         and not is_command(node)
         and "Raises\n------" not in (ast.get_docstring(node) or "")
     ]
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
 
 
 def test_tests_are_sentences() -> None:
@@ -154,7 +154,7 @@ def test_tests_are_sentences() -> None:
         if name.split(".")[-1].startswith("test_")
         and not (ast.get_docstring(node) or "").rstrip().endswith(".")
     ]
-    assert wrong == []
+    assert not wrong, "\n".join(wrong)
 
 
 @pytest.mark.parametrize(
