@@ -185,7 +185,7 @@ def test_wrong_repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_server_in_trouble(tmp_path: Path, server: RepositoryServer) -> None:
     """A 503 is tried again, and stops the fetch at that file when it stays."""
-    first = repository_path(sorted(NAMES)[0])
+    first = repository_path(min(NAMES))
     server.faults = {first: ["503"]}
     assert _fetch(tmp_path / "once", server).downloaded == 5
     server.faults, server.requests[:] = {first: ["503*"]}, []
@@ -217,7 +217,7 @@ def test_wrong_address(tmp_path: Path, address: str) -> None:
 
 @pytest.mark.parametrize("blocked", ["root", "root/mit-berkeley"])
 def test_unwritable_output(tmp_path: Path, server: RepositoryServer, blocked: str) -> None:
-    """Where a file stands in the folder's place, the fetch says it cannot write, in one sentence."""
+    """Where a file stands in the folder's place, one sentence says it cannot be written."""
     (tmp_path / blocked).parent.mkdir(exist_ok=True)
     (tmp_path / blocked).write_text("a file")
     with pytest.raises(RelightlabError, match=r"cannot write into .*mit-berkeley"):
@@ -260,10 +260,11 @@ def test_interrupted_within_a_file(
             if answer.url.endswith(broken_off):
                 raise KeyboardInterrupt
 
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(requests.Response, "iter_content", interrupted)
+    monkeypatch.setattr(requests.Response, "iter_content", interrupted)
+    with pytest.raises(KeyboardInterrupt):
         _fetch(tmp_path, server)
-    first = sorted(NAMES)[0]
+    monkeypatch.setattr(requests.Response, "iter_content", pieces)
+    first = min(NAMES)
     assert _visible(tmp_path) == {first: CONTENTS[first]}
     server.requests.clear()
     assert _fetch(tmp_path, server).downloaded == 4
