@@ -65,7 +65,7 @@ $(READY): constraints.txt pyproject.toml
 	  fi; \
 	  "$$found" -m venv .venv; \
 	fi
-	@echo 'Installing the pinned packages into .venv (a minute or two, about 1.5 GB)'
+	@echo 'Installing the pinned packages into .venv (about a minute, 1.1 GB)'
 	@$(PIP) install --require-hashes -r constraints.txt
 	@$(PIP) install --no-deps --no-build-isolation -e .
 	@$(PIP) check

@@ -20,8 +20,8 @@ settings.register_profile(
 settings.load_profile("repeatable")
 
 LACKING = {
-    "real_data": "for lack of data (set RELIGHTLAB_DATA to a folder that holds mit-berkeley/)",
-    "browser": "for lack of a Chromium",
+    "real_data": "lack of data (set RELIGHTLAB_DATA to a folder that holds mit-berkeley/)",
+    "browser": "lack of a Chromium",
 }
 
 
@@ -51,4 +51,4 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     terminalreporter.section("not run here")
     for marker, reason in LACKING.items():
         count = sum(marker in report.keywords for report in skipped)
-        terminalreporter.write_line(f"{count} tests were skipped {reason}")
+        terminalreporter.write_line(f"tests skipped for {reason}: {count}")
