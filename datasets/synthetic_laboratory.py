@@ -11,9 +11,10 @@ from typing import Any
 
 import mitsuba
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
-from shading_model.arrays import Float, Image, Map
+from shading_model.arrays import Float, Image, Map, Mask
 
 LAMP_DIRECTIONS: tuple[tuple[float, float, float], ...] = (
     (-0.39, -0.13, 0.84),
@@ -39,7 +40,8 @@ PHOTOGRAPHS: tuple[dict[int, float], ...] = (
 
 _DISTANCE = 6.0  # of a lamp, in half sizes of the picture
 _LAMP_RADIUS = 0.35
-_BOUNCES = 4
+_LONGEST_PATH = 3  # camera, surface, surface, lamp
+_STRAY_LIGHT = 0.03  # of a dark room that is never quite dark: no pixel of the object is black
 _BLOCK = 32
 
 
@@ -69,12 +71,14 @@ def render_laboratory(height: Map, albedo: Image, samples: int, seed: int) -> Fl
     images = []
     for number, strengths in enumerate(PHOTOGRAPHS):
         _switch(parameters, strengths)
-        image = np.array(mitsuba.render(scene, seed=seed + number), dtype=np.float64)
+        image = np.array(
+            mitsuba.render(scene, seed=mitsuba.UInt32(seed + number)), dtype=np.float64
+        )
         images.append(np.where(mask[..., None], image, 0.0))
     return np.stack(images)
 
 
-def extended(values: Float, mask: Float) -> Float:
+def extended(values: Float, mask: Mask) -> Float:
     """Return the map with every pixel off the object given its nearest object pixel's value.
 
     Examples
@@ -82,8 +86,11 @@ def extended(values: Float, mask: Float) -> Float:
     >>> extended(np.array([[np.nan, 2.0]]), np.array([[False, True]]))
     array([[2., 2.]])
     """
-    nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
-    return values[tuple(nearest)]
+    nearest = ndimage.distance_transform_edt(
+        np.logical_not(mask), return_distances=False, return_indices=True
+    )
+    filled: Float = values[tuple(nearest)]
+    return filled
 
 
 def _switch(parameters: Any, strengths: dict[int, float]) -> None:
@@ -102,7 +109,13 @@ def _scene(height: Map, albedo: Image, samples: int) -> dict[str, Any]:
     reach = 0.5 * max(rows, columns)
     scene: dict[str, Any] = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": _BOUNCES, "block_size": _BLOCK},
+        "integrator": {"type": "path", "max_depth": _LONGEST_PATH, "block_size": _BLOCK},
+        # Never sampled as a lamp: the paths that leave the object find it, at no further cost.
+        "room": {
+            "type": "constant",
+            "radiance": {"type": "rgb", "value": [_STRAY_LIGHT] * 3},
+            "sampling_weight": 0.0,
+        },
         "sensor": _camera(rows, columns, reach, samples),
         "object": _mesh(height, mask, reach, extended(albedo, mask)),
     }
@@ -143,7 +156,7 @@ def _camera(rows: int, columns: int, reach: float, samples: int) -> dict[str, An
     }
 
 
-def _mesh(height: Map, mask: Float, reach: float, albedo: Image) -> Any:
+def _mesh(height: Map, mask: Mask, reach: float, albedo: Image) -> Any:
     """Return the height field as triangles between pixel centres, one pixel beyond the mask."""
     rows, columns = height.shape
     row, column = np.indices(height.shape)
@@ -152,7 +165,7 @@ def _mesh(height: Map, mask: Float, reach: float, albedo: Image) -> Any:
     x = (column + 0.5 - 0.5 * columns) / reach
     y = (0.5 * rows - row - 0.5) / reach
     vertices = np.stack([x, y, depth], axis=-1).reshape(-1, 3)
-    coordinates = np.stack([(column + 0.5) / columns, 1.0 - (row + 0.5) / rows], axis=-1)
+    coordinates = np.stack([(column + 0.5) / columns, (row + 0.5) / rows], axis=-1)
     texture = {
         "type": "bitmap",
         "bitmap": mitsuba.Bitmap(np.ascontiguousarray(albedo, dtype=np.float32)),
@@ -173,9 +186,9 @@ def _mesh(height: Map, mask: Float, reach: float, albedo: Image) -> Any:
     return mesh
 
 
-def _triangles(mask: Float) -> Float:
+def _triangles(mask: Mask) -> NDArray[np.intp]:
     """Return vertex numbers of the triangles, anticlockwise as the viewer sees them."""
-    grown = ndimage.binary_dilation(mask, np.ones((3, 3)))
+    grown = ndimage.binary_dilation(mask, np.ones((3, 3), dtype=np.bool_))
     number = np.arange(mask.size).reshape(mask.shape)
     whole = grown[:-1, :-1] & grown[:-1, 1:] & grown[1:, :-1] & grown[1:, 1:]
     top_left, top_right = number[:-1, :-1][whole], number[:-1, 1:][whole]
