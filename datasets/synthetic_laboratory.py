@@ -38,7 +38,8 @@ PHOTOGRAPHS: tuple[dict[int, float], ...] = (
 )
 """Lamps and their strengths: first the photograph models are built from, then ten others."""
 
-_DISTANCE = 6.0  # of a lamp, in half sizes of the picture
+LAMP_DISTANCE = 6.0
+"""Of a lamp from the middle of the picture, in halves of its longer side."""
 _LAMP_RADIUS = 0.35
 _LONGEST_PATH = 3  # camera, surface, surface, lamp
 _STRAY_LIGHT = 0.03  # of a dark room that is never quite dark: no pixel of the object is black
@@ -95,7 +96,7 @@ def extended(values: Float, mask: Mask) -> Float:
 
 def _switch(parameters: Any, strengths: dict[int, float]) -> None:
     # Dark lamps stay in the scene but are never sampled: the geometry is built only once.
-    radiance = (_DISTANCE / _LAMP_RADIUS) ** 2
+    radiance = (LAMP_DISTANCE / _LAMP_RADIUS) ** 2
     for lamp in range(len(LAMP_DIRECTIONS)):
         strength = strengths.get(lamp, 0.0)
         parameters[f"lamp{lamp}.emitter.radiance.value"] = [radiance * strength] * 3
@@ -120,7 +121,7 @@ def _scene(height: Map, albedo: Image, samples: int) -> dict[str, Any]:
         "object": _mesh(height, mask, reach, extended(albedo, mask)),
     }
     for lamp, direction in enumerate(LAMP_DIRECTIONS):
-        position = _DISTANCE * np.array(direction) / np.linalg.norm(direction)
+        position = LAMP_DISTANCE * np.array(direction) / np.linalg.norm(direction)
         scene[f"lamp{lamp}"] = _lamp(position)
     return scene
 

@@ -222,7 +222,7 @@ def _natural_light(name: str, seed: int) -> Float:
     """Return the light of an object: no two objects of a set share one."""
     pool = shipped_lights()
     order = generator_named("natural lights", str(seed)).permutation(len(pool))
-    return pool[order[list(SHAPES).index(name)]].coefficients
+    return pool[int(order[list(SHAPES).index(name)])].coefficients
 
 
 def _crop(mask: Mask, margin: int) -> tuple[slice, slice]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from importlib import resources
 from pathlib import Path
 
@@ -25,17 +24,15 @@ from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
 from shading_model.harmonic_conversion import visible_normals
 
-
 LAMP_RADIUS = 12 * math.pi / 256
 
 
 @pytest.fixture
-def map_folder() -> Path:
-    """The measured environment maps, where they are present."""
-    default = Path(__file__).resolve().parents[2].parent / "shared" / "data"
-    folder = Path(os.environ.get("RELIGHTLAB_DATA", default)) / "hdri"
+def map_folder(data_root: Path) -> Path:
+    """The environment maps under the data root; skips where it has none."""
+    folder = data_root / "hdri"
     if not folder.is_dir():
-        pytest.skip("no hdri folder under RELIGHTLAB_DATA or ../shared/data")
+        pytest.skip(f"{data_root} holds no hdri/")
     return folder
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -22,13 +21,11 @@ from shading_model.harmonic_conversion import visible_normals
 
 
 @pytest.fixture
-def measured_root() -> Path:
+def measured_root(data_root: Path) -> Path:
     """The data root, where it holds the measured pool."""
-    default = Path(__file__).resolve().parents[2].parent / "shared" / "data"
-    root = Path(os.environ.get("RELIGHTLAB_DATA", default))
-    if not (root / MEASURED_FILE).is_file():
-        pytest.skip(f"no {MEASURED_FILE} under RELIGHTLAB_DATA or ../shared/data")
-    return root
+    if not (data_root / MEASURED_FILE).is_file():
+        pytest.skip(f"{data_root} holds no {MEASURED_FILE}")
+    return data_root
 
 
 def write_pool(root: Path, stored: object) -> Path:
@@ -77,7 +74,7 @@ def test_a_damaged_pool_is_refused(tmp_path: Path) -> None:
     whole = path.read_bytes()
     for content in (whole[: len(whole) // 2], b"text", b""):
         path.write_bytes(content)
-        with pytest.raises(RelightlabError, match="Ldata.mat"):
+        with pytest.raises(RelightlabError, match=r"Ldata\.mat"):
             natural_lights(tmp_path)
     savemat(path, {"other": 1})
     with pytest.raises(RelightlabError, match=r"does not hold Ldata\.natural_test_color"):

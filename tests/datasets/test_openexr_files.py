@@ -23,7 +23,7 @@ from shading_model.errors import RelightlabError
     seed=st.integers(0, 1000),
 )
 @settings(max_examples=60, deadline=None)
-def test_any_strides_come_back_as_they_were(  # noqa: PLR0913
+def test_any_strides_come_back_as_they_were(
     tmp_path_factory: pytest.TempPathFactory,
     height: int,
     width: int,

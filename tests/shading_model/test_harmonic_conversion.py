@@ -42,7 +42,7 @@ def random_normals(seed: int) -> Float:
 @given(seeds, st.sampled_from([(), (3,)]), st.sampled_from([LogHarmonics, LinearHarmonics]))
 @settings(max_examples=30, deadline=None)
 def test_a_turned_light_shades_the_turned_surface_alike(
-    seed: int, channels: tuple[int, ...], kind: type[LogHarmonics] | type[LinearHarmonics]
+    seed: int, channels: tuple[int, ...], kind: type[LogHarmonics | LinearHarmonics]
 ) -> None:
     """Turning light and surface together changes nothing, on the whole sphere, to 1e-12."""
     rotation = Rotation.random(random_state=seed % 1000).as_matrix()
