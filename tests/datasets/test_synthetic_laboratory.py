@@ -53,7 +53,7 @@ def test_a_plate_has_the_closed_form(slopes: tuple[float, float]) -> None:
     height = plate(*slopes)
     mask = np.isfinite(height)
     inner = ndimage.binary_erosion(mask, np.ones((3, 3)))
-    photographs = render_laboratory(height, np.full((40, 40, 3), 0.5), 16, 0)
+    photographs = render_laboratory(height, np.full((40, 40, 3), 0.5), 100, 0)
     for photograph, lamps in zip(photographs, PHOTOGRAPHS, strict=True):
         expected = 0.5 * lambert(height, slopes, lamps)
         np.testing.assert_allclose(photograph[inner].mean(axis=-1), expected[inner], rtol=0.03)
