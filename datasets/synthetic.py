@@ -12,24 +12,27 @@ import json
 import os
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import joblib
 
 from datasets.atomic import atomic_path
 from datasets.locations import user_cache
 from datasets.records import Capture, LitPhotograph
+from datasets.synthetic_manifest import (
+    FORMAT,
+    GENERATOR_VERSION,
+    MANIFEST,
+    digest_of,
+    is_whole,
+    parameters_of,
+    read_manifest,
+)
 from datasets.synthetic_objects import SyntheticObject, load_object, make_object, save_object
 from datasets.synthetic_shapes import SHAPES
 from shading_model.errors import RelightlabError, unknown_name
 
-GENERATOR_VERSION = 1
-"""Raised whenever the same parameters would give other bytes."""
-
 DEFAULT_SIZE, DEFAULT_SEED, DEFAULT_SAMPLES = 300, 0, 16
 SMALLEST_SIZE = 32
-_FORMAT = "relightlab synthetic set 1"
-_MANIFEST = "manifest.json"
 
 Progress = Callable[[int, int, str], None]
 """Called with how many objects are done, how many there are, and the name just done."""
@@ -80,9 +83,9 @@ def synthesize(
     names = _checked_names(objects)
     _check_numbers(size, seed, samples)
     folder = Path(out_dir)
-    manifest = _manifest_without_files(size, seed, samples)
+    manifest = parameters_of(size, seed, samples)
     # A manifest of an earlier set must not vouch for the files that are about to change.
-    _remove(folder / _MANIFEST)
+    _remove(folder / MANIFEST)
     tasks = [(folder / f"{name}.npz", name, size, seed, samples) for name in names]
     digests = dict.fromkeys(names, "")
     for done, (name, digest) in enumerate(_made(tasks, workers), start=1):
@@ -90,7 +93,7 @@ def synthesize(
         if progress is not None:
             progress(done, len(names), name)
     manifest["files"] = {f"{name}.npz": digest for name, digest in digests.items()}
-    with atomic_path(folder / _MANIFEST) as path:
+    with atomic_path(folder / MANIFEST) as path:
         path.write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
     return Synthetic(folder)
 
@@ -126,7 +129,7 @@ def synthetic_root(
     """
     base = user_cache() if cache is None else Path(cache)
     folder = base / f"synthetic-{GENERATOR_VERSION}-{size}-{seed}"
-    wanted = _manifest_without_files(size, seed, samples)
+    wanted = parameters_of(size, seed, samples)
     if not is_whole(folder, wanted, _checked_names(objects)):
         synthesize(
             folder,
@@ -138,36 +141,6 @@ def synthetic_root(
             progress=progress,
         )
     return folder
-
-
-def is_whole(folder: Path, parameters: dict[str, Any], names: Sequence[str]) -> bool:
-    """Return whether a folder holds the given objects, made with the given parameters, undamaged.
-
-    Parameters
-    ----------
-    folder : Path
-        May be absent.
-    parameters : dict
-        What its manifest must say of format, generator, size, seed and samples.
-    names : sequence of str
-        Objects that must be there, with the SHA-256 the manifest gives.
-
-    Examples
-    --------
-    >>> is_whole(Path("no such folder"), {}, [])
-    False
-    """
-    try:
-        manifest = _read_manifest(folder)
-    except RelightlabError:
-        return False
-    if any(manifest.get(key) != value for key, value in parameters.items()):
-        return False
-    files = manifest["files"]
-    return all(
-        f"{name}.npz" in files and _digest(folder / f"{name}.npz") == files[f"{name}.npz"]
-        for name in names
-    )
 
 
 class Synthetic:
@@ -186,7 +159,7 @@ class Synthetic:
 
     def __init__(self, root: str | os.PathLike[str]) -> None:
         self.root = Path(root)
-        self._files: dict[str, str] = dict(_read_manifest(self.root)["files"])
+        self._files: dict[str, str] = dict(read_manifest(self.root)["files"])
 
     @property
     def name(self) -> str:
@@ -204,26 +177,38 @@ class Synthetic:
         return ("natural", "laboratory")
 
     def load(self, name: str, setting: str) -> Capture:
-        """Return one object in one setting."""
+        """Return one object in one setting.
+
+        Raises
+        ------
+        RelightlabError
+            If the name or the setting is unknown, or the file is missing or damaged.
+        """
         if setting not in self.settings:
             raise unknown_name("setting", setting, self.settings)
         loaded = self._object(name)
         return loaded.natural() if setting == "natural" else loaded.laboratory()
 
     def lit_photographs(self, name: str) -> tuple[LitPhotograph, ...]:
-        """Return the object's ten photographs under other laboratory lamps."""
+        """Return the object's ten photographs under other laboratory lamps.
+
+        Raises
+        ------
+        RelightlabError
+            If the name is unknown, or the file is missing or damaged.
+        """
         return self._object(name).lit_photographs()
 
     def fingerprint(self) -> str:
         """Return a SHA-256, in hexadecimal, over the names and hashes of the set's files."""
         listing = "".join(f"{digest}  {file}\n" for file, digest in sorted(self._files.items()))
-        return hashlib.sha256(f"{_FORMAT}\n{listing}".encode()).hexdigest()
+        return hashlib.sha256(f"{FORMAT}\n{listing}".encode()).hexdigest()
 
     def _object(self, name: str) -> SyntheticObject:
         if name not in self.objects:
             raise unknown_name("object", name, self.objects)
         path = self.root / f"{name}.npz"
-        if _digest(path) != self._files[path.name]:
+        if digest_of(path) != self._files[path.name]:
             raise RelightlabError(
                 f"{path} is missing or damaged: make the synthetic set again"
                 " (relightlab data synthesize)"
@@ -246,7 +231,7 @@ def _made(
 
 def _make_file(path: Path, name: str, size: int, seed: int, samples: int) -> tuple[str, str]:
     save_object(path, make_object(name, size, seed, samples))
-    return name, _digest(path)
+    return name, digest_of(path)
 
 
 def _make_file_on_one_thread(
@@ -256,37 +241,6 @@ def _make_file_on_one_thread(
 
     drjit.set_thread_count(1)
     return _make_file(path, name, size, seed, samples)
-
-
-def _manifest_without_files(size: int, seed: int, samples: int) -> dict[str, Any]:
-    return {
-        "format": _FORMAT,
-        "generator": GENERATOR_VERSION,
-        "size": size,
-        "seed": seed,
-        "samples": samples,
-    }
-
-
-def _read_manifest(folder: Path) -> dict[str, Any]:
-    path = folder / _MANIFEST
-    try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise RelightlabError(
-            f"{folder} holds no finished synthetic set: make one (relightlab data synthesize)"
-        ) from error
-    if not isinstance(manifest, dict) or manifest.get("format") != _FORMAT:
-        raise RelightlabError(f"expected {path} to say {_FORMAT!r}: make the synthetic set again")
-    return manifest
-
-
-def _digest(path: Path) -> str:
-    """Return the SHA-256 of a file, or nothing where it cannot be read."""
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        return ""
 
 
 def _remove(path: Path) -> None:

@@ -13,7 +13,13 @@ from shading_model.arrays import Map
 
 
 def frog(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a squatting frog with a warty skin."""
+    """Return a squatting frog with a warty skin.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     parts = [
         ellipsoid((0.0, -0.12, 0.0), (0.52, 0.46, 0.42)),
         ellipsoid((0.0, 0.28, 0.14), (0.42, 0.28, 0.34)),
@@ -31,7 +37,13 @@ def frog(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def turtle(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a turtle from above: a plated dome, a head, four legs and a tail."""
+    """Return a turtle from above: a plated dome, a head, four legs and a tail.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     parts = [
         ellipsoid((0.0, -0.04, 0.04), (0.56, 0.60, 0.44)),
         ellipsoid((0.0, 0.72, 0.06), (0.17, 0.20, 0.17)),
@@ -48,7 +60,13 @@ def turtle(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def duck(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a duck in profile with a folded wing of rows of feathers."""
+    """Return a duck in profile with a folded wing of rows of feathers.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     solid = blend(
         ellipsoid((-0.06, -0.28, 0.0), (0.66, 0.42, 0.42), 6.0),
         capsule((0.34, -0.1, 0.0), (0.40, 0.38, 0.0), 0.18),
@@ -64,7 +82,13 @@ def duck(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def bear(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a sitting toy bear with a knitted coat."""
+    """Return a sitting toy bear with a knitted coat.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     parts = [
         ellipsoid((0.0, -0.28, 0.0), (0.44, 0.46, 0.38)),
         ellipsoid((0.0, 0.42, 0.06), (0.37, 0.34, 0.33)),
@@ -84,7 +108,13 @@ def bear(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def fish(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a fish in profile with rows of scales and rayed fins."""
+    """Return a fish in profile with rows of scales and rayed fins.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     solid = blend(
         ellipsoid((0.12, 0.0, 0.0), (0.66, 0.36, 0.26)),
         ellipsoid((-0.46, 0.0, 0.0), (0.26, 0.13, 0.11)),
@@ -103,7 +133,13 @@ def fish(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def rabbit(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a sitting rabbit with long ears and a furry coat."""
+    """Return a sitting rabbit with long ears and a furry coat.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     parts = [
         ellipsoid((0.0, -0.36, 0.0), (0.42, 0.44, 0.38)),
         ellipsoid((0.0, 0.18, 0.12), (0.30, 0.28, 0.29)),

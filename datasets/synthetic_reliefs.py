@@ -20,7 +20,13 @@ from shading_model.arrays import Map, Mask
 
 
 def sun(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a carved sun: a face on a dome, in a wreath of rays."""
+    """Return a carved sun: a face on a dome, in a wreath of rays.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     radius, angle = np.hypot(x, y), np.arctan2(x, y)
     wave = 12.0 * angle / (2.0 * np.pi)
     ray = 1.0 - 2.0 * np.abs(wave - np.round(wave))
@@ -39,7 +45,13 @@ def sun(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def medal(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a coin with a raised rim, a star and a ring of beads."""
+    """Return a coin with a raised rim, a star and a ring of beads.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     radius, angle = np.hypot(x, y), np.arctan2(x, y)
     rim = 0.10 * (smooth_step(radius - 0.74, 0.04) - smooth_step(radius - 0.84, 0.05))
     spoke = 5.0 * angle / (2.0 * np.pi)
@@ -54,7 +66,13 @@ def medal(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def leaf(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a curled leaf with a midrib and side veins."""
+    """Return a curled leaf with a midrib and side veins.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     turned_x, turned_y = turned(x, y, -32.0)
     share = (turned_y + 0.92) / 1.84
     width = 0.58 * np.sin(np.pi * np.clip(share, 0.0, 1.0) ** 0.8) ** 0.85
@@ -68,7 +86,13 @@ def leaf(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def shell(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a scallop: ribs that fan out of the hinge over a dome, and growth rings."""
+    """Return a scallop: ribs that fan out of the hinge over a dome, and growth rings.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     low_y = y + 0.62
     radius, angle = np.hypot(x, low_y), np.arctan2(x, low_y)
     fan = np.clip(angle / 0.98, -1.0, 1.0)

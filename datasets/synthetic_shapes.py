@@ -14,20 +14,16 @@ import numpy as np
 from scipy import ndimage
 
 from datasets.synthetic_animals import bear, duck, fish, frog, rabbit, turtle
+from datasets.synthetic_fruit import apple, pear, potato, pumpkin
 from datasets.synthetic_patterns import (
-    cells,
     grooves,
     on_object,
     smooth_noise,
-    smooth_step,
     turned,
 )
 from datasets.synthetic_reliefs import leaf, medal, shell, sun
 from datasets.synthetic_solids import (
-    blend,
     box,
-    capsule,
-    ellipsoid,
     placed,
     ring,
     seen_height,
@@ -52,72 +48,17 @@ def picture_coordinates(size: int) -> tuple[Map, Map]:
     return x, y
 
 
-# --- fruit ---------------------------------------------------------------------------------
-
-
-def apple(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a round body dented at the stem, with faint dimples."""
-
-    def body(points: Float) -> Float:
-        radius = np.linalg.norm(points, axis=-1)
-        up = points[:, 1] / np.maximum(radius, 1e-9)
-        dent = 0.34 * np.exp(-((1.0 - up) / 0.10)) + 0.10 * np.exp(-((1.0 + up) / 0.08))
-        surface = 0.74 - dent + 0.04 * up
-        distance: Float = 0.45 * (radius - surface)
-        return distance
-
-    stem = capsule((0.0, 0.36, 0.0), (0.07, 0.72, 0.05), 0.035)
-    height = seen_height(blend(placed(body, tilt=28.0), placed(stem, tilt=28.0)), x, y)
-    return height + 0.0012 * smooth_noise(x, y, 7.0, generator)
-
-
-def pear(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a large and a small ball fused, with a stem and a pitted skin."""
-    solid = blend(
-        ellipsoid((0.0, -0.28, 0.0), (0.56, 0.52, 0.54)),
-        ellipsoid((0.05, 0.32, 0.0), (0.30, 0.36, 0.30)),
-        reach=0.35,
-    )
-    stem = capsule((0.06, 0.60, 0.0), (0.14, 0.85, 0.02), 0.03)
-    pits = np.maximum(smooth_noise(x, y, 12.0, generator) - 0.8, 0.0)
-    return seen_height(blend(solid, stem), x, y) - 0.008 * pits
-
-
-def potato(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a lumpy ellipsoid with eyes."""
-    solid = blend(
-        ellipsoid((-0.2, 0.02, 0.0), (0.62, 0.44, 0.44), 12.0),
-        ellipsoid((0.34, 0.06, 0.02), (0.48, 0.40, 0.40), -20.0),
-        reach=0.3,
-    )
-    lumps = 0.018 * smooth_noise(x, y, 1.8, generator) + 0.0015 * smooth_noise(x, y, 8.0, generator)
-    _, border = cells(x, y, 16, generator)
-    eyes = -0.035 * smooth_step(border - border.max() * 0.55, 0.08)
-    return seen_height(solid, x, y) + lumps + eyes
-
-
-def pumpkin(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a flattened ball with ribs that run from stem to base."""
-
-    def body(points: Float) -> Float:
-        scaled = points / np.array([0.86, 0.64, 0.86])
-        radius = np.linalg.norm(scaled, axis=-1)
-        angle = np.arctan2(points[:, 0], points[:, 2])
-        away = np.hypot(scaled[:, 0], scaled[:, 2]) / np.maximum(radius, 1e-9)
-        ribs = 0.055 * np.abs(np.cos(5.0 * angle)) * away
-        distance: Float = 0.38 * (radius - 0.93 - ribs + 0.2 * (1.0 - away) ** 2)
-        return distance
-
-    stem = capsule((0.0, 0.45, 0.0), (-0.08, 0.78, 0.06), 0.07)
-    height = seen_height(blend(placed(body, tilt=20.0), placed(stem, tilt=20.0)), x, y)
-    return height + 0.0015 * smooth_noise(x, y, 8.0, generator)
-
-
 # --- paper and cardboard -------------------------------------------------------------------
 
 
 def folded_paper(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a sheet folded like an accordion, its outline cut by the folds."""
+    """Return a sheet folded like an accordion, its outline cut by the folds.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     turned_x, turned_y = turned(x, y, 14.0)
     phase = 2.1 * turned_x + 0.25
     zigzag = 2.0 * np.abs(phase - np.round(phase))
@@ -128,7 +69,13 @@ def folded_paper(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def crumpled_paper(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a sheet creased along many random straight lines."""
+    """Return a sheet creased along many random straight lines.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     turned_x, turned_y = turned(x, y, -9.0)
     height = np.zeros(x.shape)
     for index in range(26):
@@ -141,7 +88,13 @@ def crumpled_paper(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def teabag(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a pillow with a crimped border and a grainy filling."""
+    """Return a pillow with a crimped border and a grainy filling.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     turned_x, turned_y = turned(x, y, 22.0)
     u, v = turned_x / 0.66, turned_y / 0.74
     inside = (np.abs(u) < 1.0) & (np.abs(v) < 1.0)
@@ -154,7 +107,13 @@ def teabag(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def carton(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a box seen over a corner, with pressed panels."""
+    """Return a box seen over a corner, with pressed panels.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     solid = placed(box((0.44, 0.58, 0.40), 0.03), tilt=24.0, turn=38.0)
     height = seen_height(solid, x, y)
     dents = 0.003 * smooth_noise(x, y, 2.5, generator)
@@ -165,14 +124,26 @@ def carton(x: Map, y: Map, generator: np.random.Generator) -> Map:
 
 
 def cup(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a thin-walled beaker tilted to show its inside, with rings around the wall."""
+    """Return a thin-walled beaker tilted to show its inside, with rings around the wall.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     solid = placed(vessel(0.40, 0.56, 0.58, 0.05), tilt=32.0)
     rings = 0.006 * grooves(6.0 * (y + 0.22 * x * x), 6.0)
     return seen_height(solid, x, y) + rings + 0.0007 * smooth_noise(x, y, 6.0, generator)
 
 
 def mug(x: Map, y: Map, generator: np.random.Generator) -> Map:
-    """Return a mug with a handle that leaves a hole."""
+    """Return a mug with a handle that leaves a hole.
+
+    Returns
+    -------
+    (h, w) array
+        Heights, NaN off the object.
+    """
     body = vessel(0.46, 0.48, 0.54, 0.055)
     handle = placed(ring(0.27, 0.06), centre=(0.58, 0.0, 0.0))
     foot = placed(ring(0.40, 0.05), tilt=90.0, centre=(0.0, -0.54, 0.0))

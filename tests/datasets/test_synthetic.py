@@ -273,9 +273,10 @@ def test_a_folder_without_a_set_is_refused(tmp_path: Path) -> None:
     """An empty folder and one with somebody else's manifest are no synthetic set."""
     with pytest.raises(RelightlabError, match="no finished synthetic set"):
         Synthetic(tmp_path)
-    (tmp_path / "manifest.json").write_text('{"format": "something else"}')
-    with pytest.raises(RelightlabError, match=r"expected .* to say"):
-        Synthetic(tmp_path)
+    for text in ('{"format": "something else"}', '{"format": "relightlab synthetic set 1"}', "[]"):
+        (tmp_path / "manifest.json").write_text(text)
+        with pytest.raises(RelightlabError, match=r"expected .* to say"):
+            Synthetic(tmp_path)
 
 
 def test_sixteen_bits_are_kept(small_set: Synthetic) -> None:
