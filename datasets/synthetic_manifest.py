@@ -52,7 +52,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """
     path = folder / MANIFEST
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
+        manifest: Any = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise RelightlabError(
             f"{folder} holds no finished synthetic set: make one (relightlab data synthesize)"
@@ -60,7 +60,8 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     known = isinstance(manifest, dict) and manifest.get("format") == FORMAT
     if not known or not isinstance(manifest.get("files"), dict):
         raise RelightlabError(f"expected {path} to say {FORMAT!r}: make the synthetic set again")
-    return manifest
+    found: dict[str, Any] = manifest
+    return found
 
 
 def is_whole(folder: Path, parameters: dict[str, Any], names: Sequence[str]) -> bool:
