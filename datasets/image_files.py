@@ -47,7 +47,13 @@ def read_image(path: FilePath) -> Image:
 
 
 def read_alpha(path: FilePath) -> Mask | None:
-    """Return where the picture's alpha channel is above one half, or None if it has none."""
+    """Return where the picture's alpha channel is above one half, or None if it has none.
+
+    Raises
+    ------
+    RelightlabError
+        As for `read_image`.
+    """
     raw = _read_raw(path)
     if raw.ndim != 3 or raw.shape[-1] not in {2, 4}:
         return None
@@ -137,7 +143,8 @@ def decode_srgb(encoded: Float) -> Float:
 
 def _linear(raw: NDArray[Any]) -> Float:
     if raw.dtype == np.uint8:
-        return _SRGB_TABLE[raw]
+        linear: Float = _SRGB_TABLE[raw]
+        return linear
     return raw / np.float64(65535.0)
 
 

@@ -14,22 +14,33 @@ from typing import Any
 
 import numpy as np
 import scipy.io
-from scipy.ndimage import correlate
 
 from datasets.file_tree import folder_fingerprint
 from datasets.image_files import read_linear_png
-from datasets.mit_axes import harmonics_from_mit_axes, normals_from_mit_axes
+from datasets.mit_axes import harmonics_from_mit_axes
 from datasets.records import Capture, GroundTruth, LitPhotograph, Photograph
 from shading_model.arrays import Float, Image, Map, Mask, Normals
 from shading_model.errors import RelightlabError, unknown_name
+from shading_model.height_field import normals_of_slopes, slopes
 from shading_model.illumination import LogHarmonics
 
-TRAINING_OBJECTS = (
-    "apple", "box", "cup1", "dinosaur", "frog1", "panther", "paper1", "phone", "squirrel", "teabag2",
-)  # fmt: skip
-TEST_OBJECTS = (
-    "cup2", "deer", "frog2", "paper2", "pear", "potato", "raccoon", "sun", "teabag1", "turtle",
-)  # fmt: skip
+TRAINING_OBJECTS = tuple(
+    [
+        "apple",
+        "box",
+        "cup1",
+        "dinosaur",
+        "frog1",
+        "panther",
+        "paper1",
+        "phone",
+        "squirrel",
+        "teabag2",
+    ]
+)
+TEST_OBJECTS = tuple(
+    ["cup2", "deer", "frog2", "paper2", "pear", "potato", "raccoon", "sun", "teabag1", "turtle"]
+)
 OBJECTS = tuple(sorted(TRAINING_OBJECTS + TEST_OBJECTS))
 SETTINGS = ("natural", "laboratory")
 _FOLDERS = {"natural": "MIT-Berkeley-Natural", "laboratory": "MIT-Berkeley-Laboratory"}
@@ -101,7 +112,9 @@ class _ObjectFiles:
     def crop(self) -> tuple[slice, slice]:
         indices = _load_mat(self.laboratory / "crop_idx.mat")
         # Stored as small unsigned integers, one-based and contiguous.
-        rows, columns = (np.asarray(indices[k]).ravel().astype(int) for k in ("crop_idx1", "crop_idx2"))
+        rows, columns = (
+            np.asarray(indices[key]).ravel().astype(int) for key in ("crop_idx1", "crop_idx2")
+        )
         return slice(rows[0] - 1, rows[-1]), slice(columns[0] - 1, columns[-1])
 
     @cached_property
@@ -176,14 +189,10 @@ def normals_of_depth(height: Map) -> Normals:
     Examples
     --------
     >>> plane = np.tile(np.arange(5.0), (4, 1))
-    >>> normals_of_depth(plane)[2, 2].round(3)
-    array([-0.707, -0.   ,  0.707])
+    >>> normals_of_depth(plane)[2, 2].round(3) + 0.0
+    array([-0.707,  0.   ,  0.707])
     """
-    smooth, difference = np.array([1.0, 2.0, 1.0]), np.array([-1.0, 0.0, 1.0]) / 8
-    along_rows = correlate(height, np.outer(difference, smooth), mode="nearest")
-    along_columns = correlate(height, np.outer(smooth, difference), mode="nearest")
-    stacked = np.stack([-along_rows, -along_columns, np.ones_like(height)], axis=-1)
-    return normals_from_mit_axes(stacked / np.linalg.norm(stacked, axis=-1, keepdims=True))
+    return normals_of_slopes(*slopes(height))
 
 
 def _load_mat(path: Path) -> dict[str, Any]:

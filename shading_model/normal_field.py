@@ -13,12 +13,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
+from scipy import sparse
 
 from shading_model.arrays import Float
-from shading_model.pixel_grid import PixelGrid, PoissonSolver
+from shading_model.pixel_grid import Indices, PixelGrid, PoissonSolver
 
 TOLERANCE = 1e-5
 """The solver stops when the estimated relative distance to the minimum is below this."""
@@ -102,8 +103,8 @@ class _Problem:
     constant: float
 
     @classmethod
-    def of(cls, grid: PixelGrid, normals: Float, inside: Float) -> _Problem:
-        rows = grid.laplacian[inside]
+    def of(cls, grid: PixelGrid, normals: Float, inside: Indices) -> _Problem:
+        rows: Any = grid.laplacian[inside]
         gradient = grid.gradient @ normals
         return cls(rows[:, inside], -(rows @ normals), float(np.sum(gradient**2)))
 
@@ -141,7 +142,8 @@ def _inverse_stereographic(extension: Float) -> Float:
     """Map the in-plane extension onto the sphere: N = (2u, 2v, 1 - u^2 - v^2) / (1 + u^2 + v^2)."""
     squared = np.minimum(_dot(extension[:, :2], extension[:, :2]), 1.0)
     upright = 1 - squared
-    return np.column_stack([2 * extension[:, :2], upright]) / (1 + squared)[:, None]
+    sphere: Float = np.column_stack([2 * extension[:, :2], upright]) / (1 + squared)[:, None]
+    return sphere
 
 
 def _descend(
@@ -184,7 +186,8 @@ def _preconditioner(normals: Float, solver: PoissonSolver) -> Callable[[Float], 
         smooth = np.stack([solver.cycle(column) for column in tangential.T], axis=-1) / 2
         smooth -= _dot(unit, smooth)[:, None] * unit
         # The Hessian across the sphere is 2 Laplacian + 8, between 8 and 24.
-        return smooth + radial / 12
+        result: Float = smooth + radial / 12
+        return result
 
     return apply
 

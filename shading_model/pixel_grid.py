@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pyamg
-import scipy.sparse as sparse
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from shading_model.arrays import Float, Map, Mask

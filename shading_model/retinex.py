@@ -38,7 +38,7 @@ class RetinexThresholds:
     chromaticity: float
 
 
-DEFAULT_THRESHOLDS = RetinexThresholds(gray=0.2, chromaticity=0.03)
+DEFAULT_THRESHOLDS = RetinexThresholds(gray=1.0, chromaticity=0.08)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,8 @@ class Retinex:
         divergence: Float = self._grid.gradient.T @ albedo_change
         log_albedo = self._solver.solve(divergence, POISSON_TOLERANCE)
         shading = np.exp(self._brightness - log_albedo)
-        return scaled_intrinsic_images(self._image, self._grid.spread(shading))
+        scaled = self._grid.spread(shading * (MEAN_SHADING / shading.mean()))
+        return IntrinsicImages(self._image / scaled[..., None], scaled)
 
 
 def retinex(
@@ -114,16 +115,3 @@ def retinex(
     True
     """
     return Retinex(image, mask).separate(thresholds)
-
-
-def scaled_intrinsic_images(image: Image, shading: Map) -> IntrinsicImages:
-    """Return the parts of `image` whose shading is `shading` scaled to mean `MEAN_SHADING`.
-
-    Parameters
-    ----------
-    image : (h, w, 3) array
-    shading : (h, w) array
-        Positive inside the mask, NaN outside; any scale.
-    """
-    scaled = shading * (MEAN_SHADING / np.nanmean(shading))
-    return IntrinsicImages(image / scaled[..., None], scaled)

@@ -1,0 +1,46 @@
+"""Table 1 as a JSON document: every number that is printed or drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from evaluation.provenance import Provenance
+from evaluation.table1 import OPEN_ENTRIES, PROTOCOL, PROTOCOL_VERSION, PUBLISHED, Table1
+
+
+def table1_document(table: Table1, provenance: Provenance) -> dict[str, Any]:
+    """Return Table 1 with its rows, the published values, details by object, and provenance.
+
+    Parameters
+    ----------
+    table : Table1
+    provenance : Provenance
+
+    Returns
+    -------
+    dict
+        ``rows``, one for each table entry; ``baselines``, a flat shape with the Retinex albedo;
+        ``published``; ``open``, the entries not computed; ``objects`` and ``intrinsic``, the
+        same by object; ``protocol`` and ``provenance``. NaN becomes None.
+    """
+    return {
+        "protocol": {
+            "name": PROTOCOL,
+            "version": PROTOCOL_VERSION,
+            "channels": table.channels,
+            "lights": len(table.coefficients),
+            "manual_weights": [table.manual.parametric, table.manual.geometric],
+        },
+        "rows": _finite(table.rows()),
+        "baselines": _finite(table.baselines()),
+        "published": [dict(entry) for entry in PUBLISHED],
+        "open": [dict(entry) for entry in OPEN_ENTRIES],
+        "objects": _finite(table.object_rows()),
+        "intrinsic": _finite(table.intrinsic_rows()),
+        "provenance": provenance.document(),
+    }
+
+
+def _finite(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Replace NaN, which JSON does not have, by None."""
+    return [{key: None if value != value else value for key, value in row.items()} for row in rows]  # noqa: PLR0124
