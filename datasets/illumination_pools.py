@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
 
@@ -15,35 +14,13 @@ from datasets.mit_axes import harmonics_from_mit_axes
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics
+from shading_model.seeds import generator_for
 
 MEASURED_FILE = Path("boundary-cues") / "Ldata.mat"
 """Where the measured pool lies under a data root."""
 
 TABLE1_COUNT = 20
 TABLE1_SEED = "table 1 lights"
-
-
-def generator_named(*names: str) -> np.random.Generator:
-    """Return a random generator seeded by names alone, never by order or time.
-
-    Parameters
-    ----------
-    *names : str
-        The seed is the SHA-256 of the names joined by a separator.
-
-    Returns
-    -------
-    numpy.random.Generator
-
-    Examples
-    --------
-    >>> int(generator_named("a", "b").integers(1000)) == int(
-    ...     generator_named("a", "b").integers(1000)
-    ... )
-    True
-    """
-    digest = hashlib.sha256("\x1f".join(names).encode()).digest()
-    return np.random.default_rng(np.random.SeedSequence(int.from_bytes(digest, "big")))
 
 
 def from_mit_axes(coefficients: Float) -> LogHarmonics:
@@ -143,7 +120,7 @@ def table1_lights(
     pool = natural_lights(root)
     if not 1 <= count <= len(pool):
         raise RelightlabError(f"expected between 1 and {len(pool)} lights, got {count}")
-    order = generator_named("lights", seed).permutation(len(pool))
+    order = generator_for("lights", seed).permutation(len(pool))
     return tuple(pool[index].monochrome() for index in order[:count])
 
 

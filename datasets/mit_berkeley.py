@@ -24,22 +24,13 @@ from shading_model.errors import RelightlabError, unknown_name
 from shading_model.height_field import normals_of_slopes, slopes
 from shading_model.illumination import LogHarmonics
 
-TRAINING_OBJECTS = tuple(
-    [
-        "apple",
-        "box",
-        "cup1",
-        "dinosaur",
-        "frog1",
-        "panther",
-        "paper1",
-        "phone",
-        "squirrel",
-        "teabag2",
-    ]
+TRAINING_OBJECTS = (
+    *("apple", "box", "cup1", "dinosaur", "frog1"),
+    *("panther", "paper1", "phone", "squirrel", "teabag2"),
 )
-TEST_OBJECTS = tuple(
-    ["cup2", "deer", "frog2", "paper2", "pear", "potato", "raccoon", "sun", "teabag1", "turtle"]
+TEST_OBJECTS = (
+    *("cup2", "deer", "frog2", "paper2", "pear"),
+    *("potato", "raccoon", "sun", "teabag1", "turtle"),
 )
 OBJECTS = tuple(sorted(TRAINING_OBJECTS + TEST_OBJECTS))
 SETTINGS = ("natural", "laboratory")

@@ -23,12 +23,12 @@ from shading_model.illumination import PointLights
 from shading_model.seeds import generator_for
 
 FILE = Path(__file__).with_name("shading_dictionary.npy")
-SHA256 = "c149ee5c21fa2f8c5e77a5e85154e82cac8f7fcbcb02201fd837670505a97544"
+SHA256 = "ddec147eece304ffc4ca96e67a9090436d497c41ff187c2e1261eb5bac434a6e"
 ATOMS = 500
 SIDE = 12
 OUTLINES = 40
 LIGHTS_PER_OUTLINE = 8
-PATCHES = 60_000
+PATCHES = 40_000
 OUTLINE_SIDE = 320
 LEARNING_SPARSITY = 0.1
 FLATTEST = 0.02
@@ -67,7 +67,7 @@ def learn_dictionary(patches: Float) -> PatchDictionary:
         n_components=ATOMS,
         alpha=LEARNING_SPARSITY,
         batch_size=1000,
-        max_iter=4,
+        max_iter=2,
         fit_algorithm="cd",
         transform_algorithm="lasso_cd",
         n_jobs=1,
@@ -132,7 +132,7 @@ def main() -> None:
     atoms = learn_dictionary(smooth_patches(generator_for("shading-dictionary", 1))).atoms
     with atomic_path(FILE) as path, path.open("wb") as stream:
         np.save(stream, atoms.astype(np.float32))
-    print(f"{FILE}: SHA-256 {hashlib.sha256(FILE.read_bytes()).hexdigest()}")  # noqa: T201
+    print(f"{FILE}: SHA-256 {hashlib.sha256(FILE.read_bytes()).hexdigest()}")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 
 from datasets.atomic import atomic_path
 from datasets.environment_maps import shipped_lights
-from datasets.illumination_pools import generator_named
 from datasets.mit_berkeley import normals_of_depth
 from datasets.records import Capture, GroundTruth, LitPhotograph, Photograph
 from datasets.synthetic_albedo import painted_albedo
@@ -37,6 +36,7 @@ from datasets.synthetic_shapes import SHAPES, shape_height
 from shading_model.arrays import Float, Image, Map, Mask, Normals
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics, harmonics
+from shading_model.seeds import generator_for
 
 FULL = 65535
 _MARGIN = 20 / 300  # background kept around an object, as a share of the picture
@@ -125,13 +125,13 @@ def make_object(name: str, size: int, seed: int, samples: int) -> SyntheticObjec
     -------
     SyntheticObject
     """
-    height = shape_height(name, size, generator_named("shape", name, str(seed)))
-    albedo = painted_albedo(name, size, generator_named("albedo", name, str(seed)))
+    height = shape_height(name, size, generator_for("shape", name, str(seed)))
+    albedo = painted_albedo(name, size, generator_for("albedo", name, str(seed)))
     crop = _crop(np.isfinite(height), round(_MARGIN * size))
     height = _rounded(height[crop])
     mask = np.isfinite(height)
     albedo = _rounded(np.where(mask[..., None], albedo[crop], 0.0))
-    sampler = int(generator_named("laboratory", name, str(seed)).integers(2**30))
+    sampler = int(generator_for("laboratory", name, str(seed)).integers(2**30))
     rendered = render_laboratory(height, albedo, samples, sampler)
     photographs = _sixteen_bit(rendered, mask)
     normals = normals_of_depth(height)
@@ -221,7 +221,7 @@ def load_object(source: Path) -> SyntheticObject:
 def _natural_light(name: str, seed: int) -> Float:
     """Return the light of an object: no two objects of a set share one."""
     pool = shipped_lights()
-    order = generator_named("natural lights", str(seed)).permutation(len(pool))
+    order = generator_for("natural lights", str(seed)).permutation(len(pool))
     return pool[int(order[list(SHAPES).index(name)])].coefficients
 
 

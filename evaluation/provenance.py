@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 VERSIONED = (
-    "numpy", "scipy", "pyamg", "opencv-python-headless", "pillow", "joblib", "mitsuba", "matplotlib",
-)  # fmt: skip
+    *("numpy", "scipy", "pyamg", "opencv-python-headless"),
+    *("pillow", "joblib", "mitsuba", "matplotlib"),
+)
 UNKNOWN = "unknown"
 
 

@@ -89,8 +89,8 @@ def geometric_detail(
     """Return the geometric detail S_g = S - reconstruction of a shading.
 
     The patch size follows the longer side of the object's bounding box, the dictionary's own at
-    `REFERENCE_SIDE` pixels, as the paper asks; patches overlap by two thirds. Outside the mask the
-    shading is continued with the value of the nearest pixel inside.
+    `REFERENCE_SIDE` pixels, as the paper asks; patches overlap by about two thirds. Outside the
+    mask the shading is continued with the value of the nearest pixel inside.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def _bounding_box(mask: Mask) -> tuple[slice, slice]:
 
 def _reconstruct(shading: Map, mask: Mask, dictionary: PatchDictionary, sparsity: float) -> Map:
     side = dictionary.atoms.shape[1]
-    stride = max(1, side // STRIDES_PER_PATCH)
+    stride = -(-side // STRIDES_PER_PATCH)
     scale = 2 * float(np.nanmean(shading))
     extended = _pad_to_patches(_continued(shading / scale, mask), side, stride)
     inside = _windows(_pad_to_patches(mask, side, stride, "constant"), side, stride)
@@ -157,9 +157,22 @@ def _reconstruct(shading: Map, mask: Mask, dictionary: PatchDictionary, sparsity
 def code_patches(
     patches: Float, dictionary: PatchDictionary, sparsity: float, iterations: int = ITERATIONS
 ) -> Float:
-    """Return the L1-regularised reconstruction of patches (n, p * p), each mean kept.
+    """Return the L1-regularised reconstruction of patches, each mean kept.
 
     Minimises ``|y - D a|^2 / 2 + sparsity |a|_1`` for each mean-free patch y.
+
+    Parameters
+    ----------
+    patches : (n, p * p) array
+    dictionary : PatchDictionary
+        Of p x p atoms.
+    sparsity : float
+    iterations : int
+        Steps of FISTA.
+
+    Returns
+    -------
+    (n, p * p) array
     """
     atoms = dictionary.atoms.reshape(len(dictionary.atoms), -1)
     _, strength, directions = np.linalg.svd(atoms, full_matrices=False)

@@ -56,6 +56,9 @@ def slopes(height: Map) -> tuple[Map, Map]:
     smooth, difference = np.array([1.0, 2.0, 1.0]), np.array([-1.0, 0.0, 1.0]) / 8
     down = correlate(height, np.outer(difference, smooth), mode="nearest")
     right = correlate(height, np.outer(smooth, difference), mode="nearest")
+    # The filter leaves out its zero weights, so a lone NaN would not reach its own pixel.
+    unknown = np.isnan(height)
+    right[unknown] = down[unknown] = np.nan
     return right, -down
 
 

@@ -18,7 +18,7 @@ START_DIRECTIONS = np.array(
 START_DISTANCE = 3.0
 CLEARANCE = 1.2
 """Sources stay outside this many radii of the object's bounding sphere."""
-SAMPLED_PIXELS = 4000
+SAMPLED_PIXELS = 3000
 MAX_EVALUATIONS = 60
 TOLERANCE = 1e-5
 

@@ -12,12 +12,12 @@ from datasets.environment_maps import shipped_lights
 from datasets.illumination_pools import (
     MEASURED_FILE,
     from_mit_axes,
-    generator_named,
     natural_lights,
     table1_lights,
 )
 from shading_model.errors import RelightlabError
 from shading_model.harmonic_conversion import visible_normals
+from shading_model.seeds import generator_for
 
 
 @pytest.fixture
@@ -108,9 +108,9 @@ def test_a_draw_must_fit_the_pool(count: int) -> None:
 
 def test_generators_depend_on_each_name() -> None:
     """Splitting the names elsewhere gives another stream; the stream of a name is pinned."""
-    first = generator_named("ab", "c").integers(0, 2**32)
-    assert first != generator_named("a", "bc").integers(0, 2**32)
-    assert first == generator_named("ab", "c").integers(0, 2**32)
+    first = generator_for("ab", "c").integers(0, 2**32)
+    assert first != generator_for("a", "bc").integers(0, 2**32)
+    assert first == generator_for("ab", "c").integers(0, 2**32)
 
 
 @pytest.mark.real_data
