@@ -1,0 +1,1 @@
+"""The commands of relightlab, one module for each group."""

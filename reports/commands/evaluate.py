@@ -1,0 +1,59 @@
+"""The commands that measure: ``relightlab evaluate ...``."""
+# ruff: noqa: PLC0415  what a command needs is imported when it runs, so that --help is quick
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from reports.commands.options import (
+    Channels,
+    DataRoot,
+    Dataset,
+    JsonFile,
+    Manual,
+    Size,
+    Workers,
+    names_of,
+    numbers_of,
+)
+
+app = typer.Typer(help="Measure the model.")
+
+
+@app.callback()
+def evaluate_command() -> None:
+    """Measure the model."""
+
+
+@app.command("rerendering")
+def rerendering_command(
+    dataset: Dataset = None,
+    data: DataRoot = None,
+    objects: Annotated[
+        str | None, typer.Option(metavar="A,B", help="Report these objects only.")
+    ] = None,
+    channels: Channels = "gray",
+    manual: Manual = "0.5,0.5",
+    size: Size = 300,
+    workers: Workers = 2,
+    json: JsonFile = None,
+) -> None:
+    """Relight every object under natural lights and compare with the truth (Table 1)."""
+    from reports.console import print_table, say
+    from reports.result_files import write_json
+    from reports.table1_run import measure_table1, open_source
+    from reports.table1_text import COLUMNS, table1_lines
+    from shading_model.object_model import Weights
+
+    weights = Weights(*numbers_of(manual, 2, "--manual"))
+    source = open_source(data, dataset, size=size, workers=workers)
+    say(source.notice)
+    run = measure_table1(
+        source, objects=names_of(objects), channels=channels, manual=weights, workers=workers
+    )
+    print_table("Table 1: re-rendering error", COLUMNS, table1_lines(run.document))
+    if json is not None:
+        write_json(json, run.document)
+        say(f"written: {json}")

@@ -1,0 +1,90 @@
+"""Values of options that hold several parts: lists of names and of numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from shading_model.errors import RelightlabError
+
+DataRoot = Annotated[
+    Path | None,
+    typer.Option("--data", metavar="ROOT", help="Folder that holds mit-berkeley/ and other sets."),
+]
+JsonFile = Annotated[
+    Path | None,
+    typer.Option("--json", metavar="FILE", help="Write the same numbers to this file."),
+]
+Workers = Annotated[int, typer.Option(help="Processes; results do not depend on them.")]
+Dataset = Annotated[
+    str | None,
+    typer.Option(help="mit-berkeley or synthetic; by default the first that is found."),
+]
+Channels = Annotated[str, typer.Option(help="Compare 'gray' or all three, 'color'.")]
+Size = Annotated[int, typer.Option(help="Side of the synthetic pictures in pixels.")]
+Manual = Annotated[str, typer.Option(metavar="W_P,W_G", help="The weights reported as 'manual'.")]
+
+
+def names_of(text: str | None) -> tuple[str, ...]:
+    """Return the names of a list with commas between them; none where nothing was given.
+
+    Parameters
+    ----------
+    text : str or None
+
+    Returns
+    -------
+    tuple of str
+
+    Raises
+    ------
+    RelightlabError
+        If something was given but it names nothing.
+
+    Examples
+    --------
+    >>> names_of("raccoon, sun")
+    ('raccoon', 'sun')
+    """
+    names = tuple(part.strip() for part in (text or "").split(",") if part.strip())
+    if text is not None and not names:
+        raise RelightlabError(f"expected names with commas between them, got {text!r}")
+    return names
+
+
+def numbers_of(text: str, count: int, option: str) -> tuple[float, ...]:
+    """Return the finite numbers of a list with commas between them.
+
+    Parameters
+    ----------
+    text : str
+    count : int
+        How many are expected.
+    option : str
+        What the user knows the list by.
+
+    Returns
+    -------
+    tuple of float
+
+    Raises
+    ------
+    RelightlabError
+        If there are more or fewer, or a part is not a finite number.
+
+    Examples
+    --------
+    >>> numbers_of("1, 0.5", 2, "--weights")
+    (1.0, 0.5)
+    """
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != count or not all(abs(number) < float("inf") for number in numbers):
+        raise RelightlabError(
+            f"expected {count} numbers with commas between them for {option}, got {text!r}"
+        )
+    return numbers

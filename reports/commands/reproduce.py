@@ -1,0 +1,59 @@
+"""The main job: ``relightlab reproduce``."""
+# ruff: noqa: PLC0415  what a command needs is imported when it runs, so that --help is quick
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reports.commands.options import (
+    Channels,
+    DataRoot,
+    Dataset,
+    JsonFile,
+    Manual,
+    Size,
+    Workers,
+    numbers_of,
+)
+
+
+def reproduce_command(
+    data: DataRoot = None,
+    out: Annotated[Path, typer.Option(help="Folder for results and report.")] = Path("out"),
+    dataset: Dataset = None,
+    workers: Workers = 2,
+    size: Size = 300,
+    manual: Manual = "0.5,0.5",
+    channels: Channels = "gray",
+    json: JsonFile = None,
+) -> None:
+    """Build the object models, print Table 1 beside the published one and write the page."""
+    from reports.console import print_table, say
+    from reports.result_files import write_csv, write_json
+    from reports.table1_page import write_page
+    from reports.table1_run import measure_table1, open_source
+    from reports.table1_text import COLUMNS, summary_lines, table1_lines
+    from shading_model.object_model import Weights
+
+    weights = Weights(*numbers_of(manual, 2, "--manual"))
+    results = [out / "results" / "table1.json", *([json] if json else [])]
+    table, page = out / "results" / "table1.csv", out / "report" / "index.html"
+    source = open_source(data, dataset, size=size, workers=workers)
+    say(source.notice)
+    run = measure_table1(source, channels=channels, manual=weights, workers=workers)
+    print_table("Table 1: re-rendering error", COLUMNS, table1_lines(run.document))
+    for path in results:
+        write_json(path, run.document)
+    write_csv(table, run.document["rows"])
+    write_page(
+        page,
+        document=run.document,
+        dataset=run.dataset,
+        lights=run.lights,
+        parameters=run.parameters,
+    )
+    say(*(f"written: {path}" for path in (*results, table, page)))
+    say(*summary_lines(run.document))

@@ -1,0 +1,191 @@
+"""Running Table 1 from the command line: which data, which lights, and the document of results."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from datasets.illumination_pools import TABLE1_SEED, table1_lights
+from datasets.locations import find_data_root, missing_data_sentence
+from datasets.mit_berkeley import MitBerkeley
+from datasets.model_parameters import shipped_parameters
+from datasets.records import Dataset
+from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
+from datasets.synthetic_manifest import MANIFEST
+from evaluation.provenance import provenance_of
+from evaluation.rerendering import CHANNELS
+from evaluation.table1 import (
+    DETAIL_SOURCES,
+    OPEN_ENTRIES,
+    PROTOCOL,
+    PROTOCOL_VERSION,
+    Table1,
+    run_table1,
+)
+from evaluation.table1_results import table1_document
+from evaluation.weight_rules import MANUAL
+from reports.console import progress
+from shading_model.errors import RelightlabError, unknown_name
+from shading_model.illumination import LogHarmonics
+from shading_model.object_model import ModelParameters, Weights
+
+DATASETS = ("mit-berkeley", "synthetic")
+
+
+@dataclass(frozen=True, eq=False)
+class Table1Source:
+    """What Table 1 is measured on.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    lights : tuple of LogHarmonics
+    notice : str
+        One sentence to be shown: where the data were found, or that they were not.
+    """
+
+    dataset: Dataset
+    lights: tuple[LogHarmonics, ...]
+    notice: str
+
+
+@dataclass(frozen=True, eq=False)
+class Table1Run:
+    """Table 1 as measured, with all that a page needs to draw examples.
+
+    Parameters
+    ----------
+    document : dict
+        Of `evaluation.table1_results.table1_document`.
+    dataset : Dataset
+    lights : tuple of LogHarmonics
+    parameters : ModelParameters
+    """
+
+    document: dict[str, Any]
+    dataset: Dataset
+    lights: tuple[LogHarmonics, ...]
+    parameters: ModelParameters
+
+
+def open_source(
+    data: Path | None = None,
+    dataset: str | None = None,
+    *,
+    size: int = DEFAULT_SIZE,
+    workers: int = 2,
+) -> Table1Source:
+    """Find the data of Table 1, or make the synthetic set where there are none.
+
+    Parameters
+    ----------
+    data : Path, optional
+        A data root, or the folder of a synthetic set.
+    dataset : str, optional
+        One of `DATASETS`; by default MIT-Berkeley if it is found, else the synthetic set.
+    size, workers : int
+        Of the synthetic set, where it has to be made.
+
+    Returns
+    -------
+    Table1Source
+
+    Raises
+    ------
+    RelightlabError
+        If the dataset is unknown, or was asked for and is not found.
+    """
+    if dataset is not None and dataset not in DATASETS:
+        raise unknown_name("dataset", dataset, DATASETS)
+    if data is not None and dataset != "mit-berkeley" and (data / MANIFEST).is_file():
+        made = Synthetic(data)
+        return Table1Source(made, table1_lights(None), f"synthetic set found in {data}")
+    root = find_data_root(data)
+    lights = table1_lights(root)
+    if dataset != "synthetic" and root is not None and (root / "mit-berkeley").is_dir():
+        found = MitBerkeley(root / "mit-berkeley")
+        return Table1Source(found, lights, f"MIT-Berkeley found in {found.root}")
+    missing = missing_data_sentence("mit-berkeley")
+    if root is not None:
+        missing = missing.replace("was not found in", f"was not found in {root},", 1)
+    if dataset == "mit-berkeley":
+        raise RelightlabError(missing)
+    folder = _synthetic_folder(size, workers)
+    notice = f"synthetic set in {folder}"
+    return Table1Source(
+        Synthetic(folder), lights, notice if dataset else f"{missing}; now the {notice}"
+    )
+
+
+def measure_table1(
+    source: Table1Source,
+    *,
+    objects: Sequence[str] = (),
+    channels: str = "gray",
+    manual: Weights = MANUAL,
+    workers: int = 2,
+) -> Table1Run:
+    """Measure Table 1 and say where its numbers come from.
+
+    Parameters
+    ----------
+    source : Table1Source
+    objects : sequence of str
+        Those to report; all by default.
+    channels : {"gray", "color"}
+    manual : Weights
+    workers : int
+        Processes; the numbers do not depend on it.
+
+    Returns
+    -------
+    Table1Run
+
+    Raises
+    ------
+    RelightlabError
+        For unknown names, fewer than one worker, or data that cannot be read.
+    """
+    if channels not in CHANNELS:
+        raise unknown_name("channels", channels, CHANNELS)
+    if workers < 1:
+        raise RelightlabError(f"expected at least one worker, got {workers}")
+    parameters = shipped_parameters()
+    started = time.monotonic()
+    with progress("measuring cells") as report:
+        table = run_table1(
+            source.dataset,
+            source.lights,
+            parameters,
+            objects=objects,
+            channels=channels,
+            manual=manual,
+            workers=workers,
+            progress=report,
+        )
+    document = _document(table, source, time.monotonic() - started, workers)
+    return Table1Run(document, source.dataset, source.lights, parameters)
+
+
+def _document(table: Table1, source: Table1Source, seconds: float, workers: int) -> dict[str, Any]:
+    """Return the document; a cell is an object under a light, for a detail source and setting."""
+    cells = len(table.objects) * len(source.lights)
+    provenance = provenance_of(
+        protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",
+        dataset=source.dataset.name,
+        data_hash=source.dataset.fingerprint(),
+        seeds={"lights": TABLE1_SEED},
+        seconds=seconds,
+        workers=workers,
+        cells_done=cells * len(DETAIL_SOURCES) * len(table.settings()),
+        cells_missing=cells * len(OPEN_ENTRIES),
+    )
+    return table1_document(table, provenance)
+
+
+def _synthetic_folder(size: int, workers: int) -> Path:
+    with progress("making the synthetic set") as report:
+        return synthetic_root(size=size, workers=workers, progress=report)
