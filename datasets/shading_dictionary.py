@@ -59,7 +59,17 @@ def shipped_dictionary() -> PatchDictionary:
 
 
 def learn_dictionary(patches: Float) -> PatchDictionary:
-    """Learn the dictionary from mean-free patches of unit norm, shape (n, p * p)."""
+    """Learn the dictionary.
+
+    Parameters
+    ----------
+    patches : (n, p * p) array
+        Mean-free, of unit norm.
+
+    Returns
+    -------
+    PatchDictionary
+    """
     from sklearn.decomposition import MiniBatchDictionaryLearning  # noqa: PLC0415
     from sklearn.exceptions import ConvergenceWarning  # noqa: PLC0415
 
@@ -82,7 +92,17 @@ def learn_dictionary(patches: Float) -> PatchDictionary:
 
 
 def smooth_patches(generator: np.random.Generator) -> Float:
-    """Return unit-norm, mean-free patches (n, 144) of smooth shadings, each drawn at random."""
+    """Return patches of smooth shadings: random outlines under random lights.
+
+    Parameters
+    ----------
+    generator : numpy.random.Generator
+
+    Returns
+    -------
+    (n, 144) array
+        Mean-free, of unit norm.
+    """
     per_shading = PATCHES // (OUTLINES * LIGHTS_PER_OUTLINE)
     drawn = []
     for _ in range(OUTLINES):
@@ -96,7 +116,18 @@ def smooth_patches(generator: np.random.Generator) -> Float:
 
 
 def random_outline(generator: np.random.Generator, side: int = OUTLINE_SIDE) -> Mask:
-    """Return the mask of a smooth star-shaped outline: a circle with six random harmonics."""
+    """Return the mask of a smooth star-shaped outline: a circle with six random harmonics.
+
+    Parameters
+    ----------
+    generator : numpy.random.Generator
+    side : int
+        Of the picture, in pixels.
+
+    Returns
+    -------
+    (side, side) bool array
+    """
     rows, columns = np.mgrid[:side, :side] - (side - 1) / 2
     angle = np.arctan2(rows, columns)
     order = np.arange(1, 7)
@@ -109,7 +140,18 @@ def random_outline(generator: np.random.Generator, side: int = OUTLINE_SIDE) -> 
 
 
 def random_lights(generator: np.random.Generator, side: int = OUTLINE_SIDE) -> PointLights:
-    """Return one to three point sources in front of and around an outline's picture."""
+    """Return one to three point sources in front of and around an outline's picture.
+
+    Parameters
+    ----------
+    generator : numpy.random.Generator
+    side : int
+        Of the picture, in pixels.
+
+    Returns
+    -------
+    PointLights
+    """
     count = int(generator.integers(1, 4))
     directions = generator.normal(size=(count, 3))
     directions[:, 2] = np.abs(directions[:, 2]) + 0.2

@@ -2,8 +2,9 @@
 
 ``python -m evaluation.benchmark [--data ROOT]`` builds the models of raccoon, sun and raccoon at
 four times the pixels (synthetic objects where MIT-Berkeley is absent) on one BLAS thread, and
-prints each stage's time in units of one SciPy ``splu`` factorisation plus solve of the same object's grid
-Laplacian, timed in the same run; before that, the time and memory of the whole of Table 1.
+prints each stage's time in units of one SciPy ``splu`` factorisation plus solve of the same
+object's grid Laplacian, timed in the same run; before that, the time and memory of the whole of
+Table 1.
 """
 
 from __future__ import annotations

@@ -87,6 +87,11 @@ def error_grid(dataset: Dataset, name: str, setting: str) -> Float:
     Returns
     -------
     (len(GRAY), len(CHROMATICITY)) array
+
+    Raises
+    ------
+    RelightlabError
+        If the true albedo or shading is not known.
     """
     capture = dataset.load(name, setting)
     photograph, truth = capture.photograph, capture.truth
