@@ -1,0 +1,170 @@
+"""Table 1 as the page lays it out: our entries beside the published ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+RULES = ("coarse", "default", "manual", "regression", "oracle")
+"""Weight rules in the order of the page's columns."""
+PUBLISHED_RULES = ("regression", "oracle")
+OPEN = "open: needs SIRFS"
+MISSING = "missing"
+ROWS = (
+    ("(a) default", "ours", "default"),
+    ("(b) B+M S", "ours", "sirfs-shading"),
+    ("(c) GT S", "ours", "gt-shading"),
+    ("B+M", "sirfs", "default"),
+)
+"""Rows of the published table: title, method, detail source."""
+BASELINE = "Retinex albedo, flat shape"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One entry of Table 1.
+
+    Parameters
+    ----------
+    imse, relative : float, optional
+        Ours, and over the mean of I^2; None where not measured.
+    published : float, optional
+        None where the paper has no such entry.
+    absent : str
+        Why there is no number of ours; empty where there is one.
+    """
+
+    imse: float | None = None
+    relative: float | None = None
+    published: float | None = None
+    absent: str = ""
+
+    @property
+    def ratio(self) -> float | None:
+        """Ours over published, None where either is missing."""
+        if self.imse is None or self.published is None:
+            return None
+        return self.imse / self.published
+
+
+@dataclass(frozen=True)
+class EntryRow:
+    """One row of Table 1 in one setting: its title and its entries by weight rule.
+
+    A row of B + M has the single entry ``none``; the baseline only ``coarse``.
+    """
+
+    title: str
+    entries: dict[str, Entry]
+    is_open: bool = False
+
+
+def table1_rows(document: dict[str, Any], setting: str) -> tuple[EntryRow, ...]:
+    """Return the rows of one setting in the published order, then the baseline.
+
+    Parameters
+    ----------
+    document : dict
+        See `evaluation.table1_results.table1_document`.
+    setting : str
+
+    Returns
+    -------
+    tuple of EntryRow
+    """
+    rows = [_row(document, setting, *keys) for keys in ROWS]
+    baseline = [r for r in document["baselines"] if r["setting"] == setting]
+    entry = _entry(baseline[0] if baseline else None, None)
+    return (*rows, EntryRow(BASELINE, {"coarse": entry}))
+
+
+def measured(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
+    """Return our IMSE by (setting, detail source, weight rule), without the missing.
+
+    Parameters
+    ----------
+    document : dict
+
+    Returns
+    -------
+    dict
+    """
+    return _by_key(document["rows"])
+
+
+def published(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
+    """Return the published IMSE of the paper's own method by the same keys.
+
+    Parameters
+    ----------
+    document : dict
+
+    Returns
+    -------
+    dict
+    """
+    return _by_key(document["published"])
+
+
+def missing_reasons(document: dict[str, Any], objects_in_set: int) -> tuple[str, ...]:
+    """Return why a result is not the whole table, in words; empty if it is.
+
+    Entries that need SIRFS are open for everyone and do not count.
+
+    Parameters
+    ----------
+    document : dict
+    objects_in_set : int
+        How many objects the dataset has.
+
+    Returns
+    -------
+    tuple of str
+    """
+    reasons = []
+    cells = document["provenance"]["cells_missing"]
+    if cells:
+        reasons.append(f"{cells} cells were not measured")
+    reported = len({row["object"] for row in document["intrinsic"]})
+    if reported < objects_in_set:
+        reasons.append(f"{reported} of {objects_in_set} objects are reported")
+    empty = sum(row["imse"] is None for row in document["rows"])
+    if empty:
+        reasons.append(f"{empty} table entries have no value")
+    return tuple(reasons)
+
+
+def _row(document: dict[str, Any], setting: str, title: str, method: str, source: str) -> EntryRow:
+    key = {"setting": setting, "method": method, "detail_source": source}
+    is_open = any(key.items() <= entry.items() for entry in document["open"])
+    if method == "sirfs" and is_open:
+        printed = _find(document["published"], key | {"weights": "none"})
+        value = printed["imse"] if printed else None
+        return EntryRow(title, {"none": Entry(published=value, absent=OPEN)}, is_open)
+    entries = {}
+    for rule in RULES:
+        ours = _find(document["rows"], key | {"weights": rule})
+        printed = _find(document["published"], key | {"weights": rule})
+        entries[rule] = _entry(ours, printed, OPEN if is_open else MISSING)
+    return EntryRow(title, entries, is_open)
+
+
+def _entry(
+    ours: dict[str, Any] | None, printed: dict[str, Any] | None, absent: str = MISSING
+) -> Entry:
+    value = printed["imse"] if printed else None
+    if ours is None or ours["imse"] is None:
+        return Entry(published=value, absent=absent)
+    return Entry(ours["imse"], ours["relative_imse"], value)
+
+
+def _find(rows: list[dict[str, Any]], key: dict[str, str]) -> dict[str, Any] | None:
+    return next((row for row in rows if key.items() <= row.items()), None)
+
+
+def _by_key(rows: list[dict[str, Any]]) -> dict[tuple[str, str, str], float]:
+    return {
+        (row["setting"], row["detail_source"], row["weights"]): row["imse"]
+        for row in rows
+        if row["method"] == "ours" and row["imse"] is not None
+    }
