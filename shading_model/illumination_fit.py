@@ -65,8 +65,10 @@ def fit_point_lights(shading: Map, normals: Normals, height: Map) -> PointLightF
     inside = _common_pixels(shading, normals, height)
     frame = _Frame.of(surface_points(height)[inside])
     points, facing, target = frame.points, normals[inside], shading[inside]
-    every = max(1, len(target) // SAMPLED_PIXELS)
-    sample = PointLightProblem(points[::every], facing[::every], target[::every], frame.clearance)
+    chosen = np.arange(0, len(target), max(1, len(target) // SAMPLED_PIXELS))
+    # Levenberg-Marquardt wants as many residuals as parameters: a tiny object's are repeated.
+    chosen = np.resize(chosen, max(len(chosen), 4 * len(START_DIRECTIONS)))
+    sample = PointLightProblem(points[chosen], facing[chosen], target[chosen], frame.clearance)
     solution = least_squares(
         sample.residual,
         sample.start(),
