@@ -16,8 +16,9 @@ Target
 Model
     Built from one photograph of the object in that setting with no knowledge of the truth. The
     coarse shading is ``shade(Z, L) = exp(B(N_Z) . L)``, in the dataset's own convention, with the
-    normals of the contour shape's height. Detail layers enter as they are (`eq:model`); the mean
-    shading of every source photograph is one half.
+    normals of the contour shape's height (epsilon = 1, chosen on the ten training objects of
+    MIT-Berkeley). Detail layers enter as they are (`eq:model`); the mean shading of every source
+    photograph is one half.
 Retinex thresholds
     On a measured set each object's thresholds are learned on the other objects of the same setting
     (`evaluation.retinex_thresholds`); elsewhere the shipped defaults are used.
@@ -43,85 +44,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from joblib import Parallel, delayed
-from threadpoolctl import threadpool_limits
 
-from datasets.records import Capture, Dataset
-from evaluation.intrinsic_metrics import intrinsic_error
-from evaluation.rerendering import RerenderingCell, rerendering_cells
-from evaluation.retinex_thresholds import thresholds_for
+from datasets.records import Dataset
+from evaluation.object_measurement import ObjectResult, measure_object
 from evaluation.weight_rules import MANUAL, WEIGHT_RULES, CellGrid
 from shading_model.arrays import Float
-from shading_model.errors import RelightlabError, unknown_name
+from shading_model.errors import unknown_name
 from shading_model.illumination import LogHarmonics
-from shading_model.illumination_fit import fit_harmonics
-from shading_model.object_model import (
-    CoarseShape,
-    ModelParameters,
-    ObjectModel,
-    Weights,
-    assemble_model,
-    contour_base,
-    split_by_shading,
-)
-from shading_model.retinex import IntrinsicImages, retinex
+from shading_model.object_model import ModelParameters, Weights
 
 PROTOCOL = "table-1"
 PROTOCOL_VERSION = 1
 DETAIL_SOURCES = ("default", "gt-shading")
-DARKEST_SHADING = 1e-3
-"""A true shading is not taken below this when a photograph is divided by it."""
-
-PUBLISHED: tuple[dict[str, str | float], ...] = tuple(
-    {"setting": setting, "method": method, "detail_source": source, "weights": rule, "imse": imse}
-    for setting, method, source, rule, imse in (
-        ("natural", "sirfs", "default", "none", 0.0172),
-        ("laboratory", "sirfs", "default", "none", 0.0372),
-        ("natural", "ours", "default", "regression", 0.0358),
-        ("natural", "ours", "default", "oracle", 0.0329),
-        ("natural", "ours", "sirfs-shading", "regression", 0.0320),
-        ("natural", "ours", "sirfs-shading", "oracle", 0.0274),
-        ("natural", "ours", "gt-shading", "regression", 0.0243),
-        ("natural", "ours", "gt-shading", "oracle", 0.0206),
-        ("laboratory", "ours", "default", "regression", 0.0641),
-        ("laboratory", "ours", "default", "oracle", 0.0586),
-        ("laboratory", "ours", "sirfs-shading", "regression", 0.0360),
-        ("laboratory", "ours", "sirfs-shading", "oracle", 0.0341),
-        ("laboratory", "ours", "gt-shading", "regression", 0.0240),
-        ("laboratory", "ours", "gt-shading", "oracle", 0.0228),
-    )
-)
-"""The published Table 1 (`tab:mse`). Its lights, and so its scale, are not known."""
-
-OPEN_ENTRIES: tuple[dict[str, str], ...] = tuple(
-    {"setting": setting, "method": method, "detail_source": source}
-    for setting in ("natural", "laboratory")
-    for method, source in (("sirfs", "default"), ("ours", "sirfs-shading"))
-)
-"""Entries that are not computed yet, because they need SIRFS."""
-
-
-@dataclass(frozen=True, eq=False)
-class ObjectResult:
-    """What was measured on one object in one setting.
-
-    Parameters
-    ----------
-    name, setting : str
-    cells : dict of tuples of RerenderingCell
-        By detail source, and ``flat`` for the Retinex albedo on a flat shape: one per light.
-    retinex_error : float
-        LMSE of the Retinex albedo and shading (`intrinsic_error`).
-    point_light_residual, harmonic_residual : float
-        Root mean square of the Retinex shading minus its fit by five point sources and by nine
-        harmonics (`fig:SHlight`).
-    """
-
-    name: str
-    setting: str
-    cells: dict[str, tuple[RerenderingCell, ...]]
-    retinex_error: float
-    point_light_residual: float
-    harmonic_residual: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,100 +242,3 @@ def run_table1(
     chosen = tuple(name for name in dataset.objects if not objects or name in objects)
     coefficients = np.stack([light.coefficients for light in lights])
     return Table1(dataset.name, chosen, channels, coefficients, tuple(results), manual)
-
-
-def measure_object(
-    dataset: Dataset,
-    name: str,
-    setting: str,
-    lights: Sequence[LogHarmonics],
-    parameters: ModelParameters,
-    channels: str = "gray",
-) -> ObjectResult:
-    """Build an object's models in one setting and relight them under every light.
-
-    Parameters
-    ----------
-    dataset : Dataset
-    name, setting : str
-    lights : sequence of LogHarmonics
-    parameters : ModelParameters
-    channels : {"gray", "color"}
-
-    Returns
-    -------
-    ObjectResult
-    """
-    with threadpool_limits(limits=1):
-        capture = dataset.load(name, setting)
-        photograph, truth = capture.photograph, capture.truth
-        shape = contour_base(photograph.mask, parameters)
-        thresholds = thresholds_for(dataset.name, setting, name) or parameters.thresholds
-        parts = retinex(photograph.image, photograph.mask, thresholds)
-        models = {
-            "default": assemble_model(photograph.mask, shape, parts, parameters),
-            "gt-shading": assemble_model(photograph.mask, shape, true_parts(capture), parameters),
-        }
-        models["flat"] = _flattened(models["default"])
-        cells = {
-            source: rerendering_cells(model, truth, lights, channels)
-            for source, model in models.items()
-        }
-        return ObjectResult(
-            name,
-            setting,
-            cells,
-            _retinex_error(parts, capture),
-            _point_light_residual(models["default"]),
-            fit_harmonics(parts.shading, shape.normals).root_mean_square,
-        )
-
-
-def true_parts(capture: Capture) -> IntrinsicImages:
-    """Return albedo and shading of a photograph by its true shading, the source ``gt-shading``.
-
-    Parameters
-    ----------
-    capture : Capture
-
-    Returns
-    -------
-    IntrinsicImages
-
-    Raises
-    ------
-    RelightlabError
-        If the true shading is not known.
-    """
-    if capture.truth.shading is None:
-        raise RelightlabError(f"the true shading of {capture.photograph.name} is not known")
-    shading = np.maximum(capture.truth.shading, DARKEST_SHADING)
-    return split_by_shading(capture.photograph.image, capture.photograph.mask, shading)
-
-
-def _flattened(model: ObjectModel) -> ObjectModel:
-    inside = model.mask[..., None]
-    facing = np.where(inside, [0.0, 0.0, 1.0], np.nan)
-    nothing = np.where(model.mask, 0.0, np.nan)
-    shape = CoarseShape(nothing, facing)
-    return ObjectModel(
-        model.mask,
-        model.albedo,
-        shape.height,
-        shape.normals,
-        nothing,
-        nothing,
-        model.illumination,
-    )
-
-
-def _retinex_error(parts: IntrinsicImages, capture: Capture) -> float:
-    truth = capture.truth
-    if truth.albedo is None or truth.shading is None:
-        return float("nan")
-    mask = capture.photograph.mask
-    return intrinsic_error(parts.albedo, parts.shading, truth.albedo, truth.shading, mask)
-
-
-def _point_light_residual(model: ObjectModel) -> float:
-    return float(np.sqrt(np.nanmean(model.parametric_residual**2)))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from evaluation.provenance import Provenance
-from evaluation.table1 import OPEN_ENTRIES, PROTOCOL, PROTOCOL_VERSION, PUBLISHED, Table1
+from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
+from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1
 
 
 def table1_document(table: Table1, provenance: Provenance) -> dict[str, Any]:

@@ -18,8 +18,9 @@ OUTLINE_BLUR = 2.0
 SLOPE_LIMIT = 1.0
 """The paper's epsilon, whose value it leaves open: the steepest slope is 1 / SLOPE_LIMIT.
 
-At one a disk becomes a dome of 0.69 of its radius with a crease of 45 degrees. Smaller values make
-steeper shapes, which relight worse on all of the measured objects tried.
+At one a disk becomes a dome of 0.69 of its radius with a crease of 45 degrees. Chosen among 0.1,
+0.3, 0.6 and 1 by the re-rendering error of the ten training objects of MIT-Berkeley: steeper shapes
+relight worse in every setting and with every detail source, and the same holds on its test objects.
 """
 HEIGHT_TOLERANCE = 1e-6
 COARSEST_START = 4000
@@ -152,8 +153,8 @@ def contour_normals(mask: Mask) -> Normals:
     """
     padding = int(np.ceil(4 * OUTLINE_BLUR)) + 1
     blurred = gaussian_filter(np.pad(mask.astype(np.float64), padding), OUTLINE_BLUR)
-    inner = (slice(padding, -padding), slice(padding, -padding))
-    down, right = (part[inner] for part in np.gradient(blurred))
+    gradient = np.asarray(np.gradient(blurred))
+    down, right = gradient[:, padding:-padding, padding:-padding]
     steepness = np.hypot(down, right)
     defined = steepness > 1e-6
     safe = np.where(defined, steepness, 1.0)
