@@ -1,13 +1,17 @@
 """Pictures and masks read from files, as linear float64.
 
-Sixteen-bit and floating-point files are linear already; eight-bit files hold sRGB values and are
-linearised. Pillow checks every file (it refuses a truncated one, where OpenCV returns what it
-has) and reads eight-bit pictures; OpenCV reads sixteen-bit ones, which Pillow would cut to eight.
+Sixteen-bit files are linear already; eight-bit files hold sRGB values and are linearised. Pillow
+checks every file (it refuses a truncated one, where OpenCV returns what it has) and reads
+eight-bit pictures; OpenCV reads sixteen-bit ones, which Pillow would cut to eight.
 """
 
 from __future__ import annotations
 
 import os
+import struct
+import warnings
+import zlib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -15,50 +19,102 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
-from PIL import ImageOps, UnidentifiedImageError
+from PIL import ImageOps
 
 from datasets.atomic import atomic_path
 from shading_model.arrays import Float, Image, Mask
 from shading_model.errors import RelightlabError
 
 FilePath: TypeAlias = str | os.PathLike[str]
-MAX_PIXELS = 200_000_000
+MAX_PIXELS = 150_000_000
+"""Pictures of more pixels are refused."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture as its file holds it.
+
+    Parameters
+    ----------
+    colour : (h, w) or (h, w, 3) array of uint8 or uint16
+        Gray or RGB; eight bits are sRGB, sixteen linear.
+    alpha : (h, w) array of the same type, or None
+        Opacity, None where the file has none.
+    """
+
+    colour: NDArray[Any]
+    alpha: NDArray[Any] | None
+
+    @property
+    def opaque(self) -> Mask | None:
+        """Where the opacity is above one half; None where the file has none."""
+        if self.alpha is None:
+            return None
+        opaque: Mask = self.alpha > np.iinfo(self.alpha.dtype).max / 2
+        return opaque
+
+
+def read_picture(path: FilePath) -> Picture:
+    """Return a picture as its file holds it, turned upright by its EXIF orientation.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    RelightlabError
+        If the file is missing, truncated, too large, or not an 8-bit or 16-bit picture.
+    """
+    raw = _read_raw(path)
+    if raw.ndim == 2:
+        return Picture(raw, None)
+    if raw.shape[-1] == 4:
+        return Picture(raw[..., :3], raw[..., 3])
+    return Picture(raw, None)
+
+
+def linearised(colour: NDArray[Any]) -> Image:
+    """Return the values of a picture as linear RGB of shape (h, w, 3).
+
+    Parameters
+    ----------
+    colour : (h, w) or (h, w, 3) array of uint8 or uint16
+        A gray picture is repeated over three channels.
+
+    Returns
+    -------
+    (h, w, 3) float64 array
+        In [0, 1].
+
+    Examples
+    --------
+    >>> linearised(np.array([[255]], np.uint8))
+    array([[[1., 1., 1.]]])
+    """
+    gray_or_rgb = colour if colour.ndim == 3 else np.repeat(colour[..., None], 3, axis=-1)
+    if colour.dtype == np.uint8:
+        linear: Float = _SRGB_TABLE[gray_or_rgb]
+        return linear
+    return gray_or_rgb / np.float64(65535.0)
 
 
 def read_image(path: FilePath) -> Image:
-    """Return a picture as linear RGB of shape (h, w, 3).
+    """Return a picture as linear RGB of shape (h, w, 3), in [0, 1].
 
     Eight-bit values are sRGB and are linearised; sixteen-bit values are divided by 65535. A gray
-    picture is repeated over three channels; an alpha channel is dropped (see `read_alpha`).
+    picture is repeated over three channels; an alpha channel is dropped (see `read_picture`).
 
     Raises
     ------
     RelightlabError
-        If the file is missing, truncated, too large, or not a picture.
+        As for `read_picture`.
     """
-    raw = _read_raw(path)
-    colour = raw[..., :3] if raw.ndim == 3 else raw
-    linear = _linear(colour)
-    if linear.ndim == 3 and linear.shape[-1] == 2:
-        linear = linear[..., 0]
-    if linear.ndim == 2:
-        linear = np.repeat(linear[..., None], 3, axis=-1)
-    return linear
-
-
-def read_alpha(path: FilePath) -> Mask | None:
-    """Return where the picture's alpha channel is above one half, or None if it has none.
-
-    Raises
-    ------
-    RelightlabError
-        As for `read_image`.
-    """
-    raw = _read_raw(path)
-    if raw.ndim != 3 or raw.shape[-1] not in {2, 4}:
-        return None
-    opaque: Mask = raw[..., -1] > np.iinfo(raw.dtype).max / 2
-    return opaque
+    return linearised(read_picture(path).colour)
 
 
 def read_mask(path: FilePath) -> Mask:
@@ -71,13 +127,13 @@ def read_mask(path: FilePath) -> Mask:
     Raises
     ------
     RelightlabError
-        As for `read_image`.
+        As for `read_picture`.
     """
-    raw = _read_raw(path)
-    if raw.ndim == 3 and raw.shape[-1] in {2, 4}:
-        alpha = raw[..., -1]
-        raw = alpha if (alpha < np.iinfo(raw.dtype).max).any() else raw[..., :-1]
-    values = raw.max(axis=-1) if raw.ndim == 3 else raw
+    picture = read_picture(path)
+    opaque = picture.opaque
+    if opaque is not None and not opaque.all():
+        return opaque
+    values = picture.colour.max(axis=-1) if picture.colour.ndim == 3 else picture.colour
     two_valued = bool(((values == values.min()) | (values == values.max())).all())
     mask: Mask = values > 0 if two_valued else values > np.iinfo(values.dtype).max / 2
     return mask
@@ -97,21 +153,34 @@ def read_linear_png(path: FilePath) -> Float:
     return raw / np.float64(65535.0)
 
 
-def write_image(path: FilePath, image: Image) -> None:
-    """Write a linear RGB image as an eight-bit sRGB or (``.png`` with 16 bits) picture.
+def write_image(path: FilePath, image: Image, *, opaque: Mask | None = None) -> None:
+    """Write a linear RGB image as an eight-bit sRGB ``.png`` or ``.jpg``, whole or not at all.
 
     NaN pixels are written as black; values are clipped to [0, 1].
+
+    Parameters
+    ----------
+    path : path
+    image : (h, w, 3) array
+    opaque : (h, w) bool array, optional
+        Everything else is made transparent; ``.png`` only.
 
     Raises
     ------
     RelightlabError
-        If the folder cannot be written to, or the name has no known suffix.
+        If the folder cannot be written to, or the name has no suffix that fits.
     """
-    if Path(path).suffix.lower() not in {".png", ".jpg", ".jpeg"}:
-        raise RelightlabError(f"expected a name ending in .png or .jpg for a picture, got {path}")
+    suffixes = (".png",) if opaque is not None else (".png", ".jpg", ".jpeg")
+    if Path(path).suffix.lower() not in suffixes:
+        kind = "a picture" if opaque is None else "a picture with transparency"
+        raise RelightlabError(
+            f"expected a name ending in {' or '.join(suffixes)} for {kind}, got {path}"
+        )
     encoded = encode_srgb(np.nan_to_num(image, nan=0.0))
+    if opaque is not None:
+        encoded = np.concatenate([encoded, 255 * opaque[..., None].astype(np.uint8)], axis=-1)
     with atomic_path(path) as temporary:
-        PillowImage.fromarray(encoded).save(temporary)
+        PillowImage.fromarray(encoded).save(temporary, quality=95)
 
 
 def encode_srgb(linear: Float) -> NDArray[np.uint8]:
@@ -135,17 +204,10 @@ def decode_srgb(encoded: Float) -> Float:
     Examples
     --------
     >>> decode_srgb(np.array([0.0, 0.5, 1.0])).round(4)
-    array([0.    , 0.214 , 1.    ])
+    array([0.   , 0.214, 1.   ])
     """
     values = np.asarray(encoded, dtype=np.float64)
     return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-
-
-def _linear(raw: NDArray[Any]) -> Float:
-    if raw.dtype == np.uint8:
-        linear: Float = _SRGB_TABLE[raw]
-        return linear
-    return raw / np.float64(65535.0)
 
 
 _SRGB_TABLE = decode_srgb(np.arange(256) / 255.0)
@@ -154,32 +216,40 @@ _SRGB_TABLE = decode_srgb(np.arange(256) / 255.0)
 def _read_raw(path: FilePath) -> NDArray[Any]:
     if not Path(path).is_file():
         raise RelightlabError(f"no such file: {path}")
-    sixteen_bit, eight_bit = _check_with_pillow(Path(path))
-    if not sixteen_bit:
+    eight_bit = _check_with_pillow(Path(path))
+    if eight_bit is not None:
         return eight_bit
     raw = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    if raw is None:
-        raise RelightlabError(f"cannot read the picture {path}: the file is damaged")
+    if raw is None or raw.dtype != np.uint16:
+        raise RelightlabError(f"cannot read the picture {path}: expected 8 or 16 bits a channel")
     return _to_rgb_order(raw)
 
 
-def _check_with_pillow(path: Path) -> tuple[bool, NDArray[Any]]:
-    """Return whether the file has sixteen bits a channel, and its eight-bit content."""
+def _check_with_pillow(path: Path) -> NDArray[np.uint8] | None:
+    """Return the content of an eight-bit file, None for a whole file of more bits."""
     try:
-        with PillowImage.open(path) as picture:
-            if picture.width * picture.height > MAX_PIXELS:
-                raise RelightlabError(
-                    f"{path} has {picture.width}x{picture.height} pixels, more than the"
-                    f" {MAX_PIXELS} that are read: make it smaller"
-                )
-            depth = _png_depth(path)
-            picture.load()
-            if depth == 16:
-                return True, np.empty(0, np.uint8)
-            upright = ImageOps.exif_transpose(picture)
-            return False, _eight_bit(upright)
-    except (OSError, SyntaxError, UnidentifiedImageError, PillowImage.DecompressionBombError) as e:
-        raise RelightlabError(f"cannot read the picture {path}: {e}") from e
+        with warnings.catch_warnings():
+            # Large pictures are our own to judge, and broken metadata harm no pixel.
+            warnings.simplefilter("ignore")
+            with PillowImage.open(path) as picture:
+                _check_size(path, picture)
+                deep = _png_depth(path) == 16 or picture.mode not in _EIGHT_BIT_MODES
+                picture.load()
+                return None if deep else _eight_bit(ImageOps.exif_transpose(picture))
+    except (*_DAMAGE, PillowImage.DecompressionBombError) as error:
+        raise RelightlabError(f"cannot read the picture {path}: {error}") from error
+
+
+_EIGHT_BIT_MODES = ("1", "L", "P", "LA", "PA", "RGB", "RGBA", "RGBX", "CMYK", "YCbCr", "LAB", "HSV")
+_DAMAGE = (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error)
+
+
+def _check_size(path: Path, picture: PillowImage.Image) -> None:
+    if picture.width * picture.height > MAX_PIXELS:
+        raise RelightlabError(
+            f"{path} has {picture.width}x{picture.height} pixels, more than the {MAX_PIXELS} that"
+            " are read: make it smaller"
+        )
 
 
 def _png_depth(path: Path) -> int:
@@ -197,6 +267,6 @@ def _eight_bit(picture: PillowImage.Image) -> NDArray[np.uint8]:
 
 
 def _to_rgb_order(raw: NDArray[Any]) -> NDArray[Any]:
-    if raw.ndim == 3 and raw.shape[-1] >= 3:
+    if raw.ndim == 3:
         return np.concatenate([raw[..., 2::-1], raw[..., 3:]], axis=-1)
     return raw

@@ -13,7 +13,9 @@ from typing import Annotated
 
 import typer
 
+from reports.commands.data import app as data_app
 from reports.commands.evaluate import app as evaluate_app
+from reports.commands.model import app as model_app
 from reports.commands.reproduce import reproduce_command
 from shading_model.errors import RelightlabError
 
@@ -28,6 +30,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("reproduce")(reproduce_command)
+app.add_typer(data_app, name="data")
+app.add_typer(model_app, name="model")
 app.add_typer(evaluate_app, name="evaluate")
 
 

@@ -60,7 +60,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
       apple      0.2
       pear       0.3
     """
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False)
     for index, column in enumerate(columns):
         entries = [row[index] for row in rows if row]
         table.add_column(column, justify="right" if _all_numbers(entries) else "left")
@@ -69,7 +69,9 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
             table.add_row(*(entry.replace("[", r"\[") for entry in row))
         else:
             table.add_section()
-    _console().print(table)
+    console = _console()
+    console.print(title, style="bold", markup=False, soft_wrap=True)
+    console.print(table)
 
 
 @contextmanager

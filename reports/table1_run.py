@@ -16,6 +16,7 @@ from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
 from datasets.synthetic_manifest import MANIFEST
 from evaluation.provenance import provenance_of
+from evaluation.published_table1 import OPEN_ENTRIES
 from evaluation.rerendering import CHANNELS
 from evaluation.published_table1 import OPEN_ENTRIES
 from evaluation.table1 import (
