@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from reports.figures import PlotFigure
 from reports.style import BLUE, INK, ORANGE, RULE, VERMILION, page_svg, plot_style
@@ -39,7 +39,7 @@ def object_error_figure(subject: Subject) -> PlotFigure:
     names = sorted(subject.objects, key=lambda name: _mean_error(errors, name), reverse=True)
     with plot_style():
         figure = Figure(figsize=(9.6, 1.3 + 0.235 * len(names)), layout="constrained")
-        axes = figure.subplots(1, len(subject.settings), sharey=True, squeeze=False)[0]
+        axes = figure.subplots(1, len(subject.settings), sharex=True, sharey=True, squeeze=False)[0]
         for axis, setting in zip(axes, subject.settings, strict=True):
             _draw_objects(axis, errors, names, setting)
         handles, labels = axes[0].get_legend_handles_labels()
@@ -49,8 +49,8 @@ def object_error_figure(subject: Subject) -> PlotFigure:
         "object-errors",
         "Error of every object",
         "Mean relative error of each object over the lights of the table, detail source"
-        " “default”; objects from the hardest (top) to the easiest. The line joins the three"
-        " weight rules of one object. All values are in the table below.",
+        " “default”, on a logarithmic axis; the hardest object is at the top. The line joins the"
+        " three weight rules of one object. All values are in the table below.",
         svg,
         _extremes(errors, names, subject.settings),
     )
@@ -79,7 +79,7 @@ def relative_errors(document: dict[str, Any]) -> dict[tuple[str, str, str], floa
 
 def _mean_error(errors: dict[tuple[str, str, str], float], name: str) -> float:
     own = [value for (owner, _, rule), value in errors.items() if (owner, rule) == (name, "oracle")]
-    return -float(np.mean(own))
+    return float(np.mean(own))
 
 
 def _draw_objects(
@@ -99,9 +99,11 @@ def _draw_objects(
     axis.set_title(setting)
     axis.set_xlabel("IMSE over mean I², percent")
     axis.set_yticks(places, names)
-    axis.set_xlim(left=0)
     axis.set_ylim(-0.7, len(names) - 0.3)
-    axis.xaxis.set_major_locator(MaxNLocator(6))
+    axis.set_xscale("log")
+    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.xaxis.set_minor_locator(NullLocator())
 
 
 def _extremes(

@@ -39,7 +39,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Scale:
-    """The range of the signed maps of a row: colours from ``-limit`` through 0 to ``limit``."""
+    """The range of a row's signed maps: colours from ``-limit`` through 0 to ``limit``."""
 
     limit: float
     meaning: str
@@ -47,11 +47,21 @@ class Scale:
 
 @dataclass(frozen=True)
 class PanelRow:
-    """Panels that belong together, under a title of their own."""
+    """Panels that belong together, under a title of their own.
+
+    Parameters
+    ----------
+    title : str
+    panels : tuple of Panel
+    columns : int
+        Panels side by side where there is room.
+    scales : tuple of Scale
+    """
 
     title: str
     panels: tuple[Panel, ...]
-    scale: Scale | None = None
+    columns: int
+    scales: tuple[Scale, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -64,15 +74,12 @@ class PanelFigure:
         Unique on the page, fit for an address.
     title, caption : str
     rows : tuple of PanelRow
-    columns : int
-        Panels side by side where there is room.
     """
 
     identifier: str
     title: str
     caption: str
     rows: tuple[PanelRow, ...]
-    columns: int
 
 
 @dataclass(frozen=True)

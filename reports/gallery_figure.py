@@ -45,11 +45,10 @@ def gallery_figure(subject: Subject, setting: str) -> PanelFigure:
         f"Gallery: {setting} models",
         f"Models built from the {setting} photograph, relit under two lights of the table that"
         " differ much. Objects are not hand-picked: they are spread evenly from the lowest to the"
-        " highest relative error (oracle weights). The sphere shows the light. Relit pictures are"
-        " scaled by the best k and share the target's exposure; errors are relit - target, mean"
-        " over colour channels.",
+        " highest relative error (oracle weights). The sphere shows the light; w is (w_p, w_g)."
+        " Relit pictures are scaled by the best k and share the target's exposure; errors are relit"
+        " - target, mean over colour channels.",
         rows,
-        columns=6,
     )
 
 
@@ -97,7 +96,7 @@ def _row(name: str, built: BuiltObject, light: LogHarmonics, number: int) -> Pan
         shown = photograph_picture(relit[rule], bright)
         difference = diverging_picture(errors[rule], limit)
         panels += _pair(f"{name} under {words}", rule, weights, (shown, difference), share)
-    return PanelRow(f"{name}, {words}", tuple(panels), Scale(limit, "error"))
+    return PanelRow(f"{name}, {words}", tuple(panels), 6, (Scale(limit, "error"),))
 
 
 def _pair(

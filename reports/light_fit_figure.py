@@ -35,12 +35,11 @@ def light_fit_figure(subject: Subject) -> PanelFigure:
     return PanelFigure(
         "light-fits",
         "Spherical harmonics against point lights",
-        f"The paper's Fig. SHlight on the {setting} photographs. (a) Retinex shading; (b) nine"
-        " spherical harmonics and (c) five point lights, both fitted to (a) on the contour shape;"
-        " (d) = (a) - (b); (e) = (a) - (c), the parametric residual Sₚ. Below each residual is its"
-        " root mean square; the mean shading of every object is 0.5.",
+        f"After the paper's `fig:SHlight`, on the {setting} photographs. (a) Retinex shading; (b)"
+        " nine spherical harmonics and (c) five point lights, both fitted to (a) on the contour"
+        " shape; (d) = (a) - (b); (e) = (a) - (c), the parametric residual S_p. Below each residual"
+        " is its root mean square; the mean shading of every object is 0.5.",
         tuple(_row(name, subject.built(name, setting)) for name in names),
-        columns=5,
     )
 
 
@@ -70,7 +69,8 @@ def _row(name: str, built: BuiltObject) -> PanelRow:
                 for key, (what, values) in zip("de", missed.items(), strict=True)
             ),
         ),
-        Scale(limit, "shading"),
+        5,
+        (Scale(limit, "shading"),),
     )
 
 

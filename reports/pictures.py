@@ -27,6 +27,8 @@ WHITE = 0.9
 """What `exposure` maps the bright percentile to."""
 SPHERE_SHARE = 0.72
 """Diameter of the sphere that shows a light, over the shorter side of its picture."""
+INSET_SHARE = 0.3
+"""Side of the picture of a light set into another, over that picture's shorter side."""
 QUALITY = 86
 
 
@@ -178,6 +180,29 @@ def sphere_picture(light: LogHarmonics, height: int, width: int) -> Picture:
     z = np.sqrt(np.where(x**2 + y**2 <= 1, 1 - x**2 - y**2, np.nan))
     normals = np.where(np.isfinite(z)[..., None], np.stack([x, y, z], axis=-1), np.nan)
     return photograph_picture(light.shade(normals))
+
+
+def with_light(picture: Picture, light: LogHarmonics) -> Picture:
+    """Return a picture with the sphere under a light set into its emptiest corner.
+
+    Parameters
+    ----------
+    picture : (h, w, 4) uint8 array
+    light : LogHarmonics
+
+    Returns
+    -------
+    (h, w, 4) uint8 array
+    """
+    height, width = picture.shape[:2]
+    side = max(1, round(INSET_SHARE * min(height, width)))
+    tops = (slice(side), slice(height - side, height))
+    corners = [(top, left) for top in tops for left in (slice(side), slice(width - side, width))]
+    emptiest = min(corners, key=lambda corner: int((picture[corner][..., 3] > 0).sum()))
+    sphere = sphere_picture(light, side, side)
+    shown = picture.copy()
+    shown[emptiest] = np.where(sphere[..., 3:] > 0, sphere, shown[emptiest])
+    return shown
 
 
 def fitted(picture: Picture, width: int) -> Picture:

@@ -94,11 +94,26 @@ class Subject:
         """
         key = (name, setting)
         if key not in self._built:
-            self._built[key] = _build(self.dataset, name, setting, self.parameters)
+            self._built[key] = build_object(self.dataset, name, setting, self.parameters)
         return self._built[key]
 
 
-def _build(dataset: Dataset, name: str, setting: str, parameters: ModelParameters) -> BuiltObject:
+def build_object(
+    dataset: Dataset, name: str, setting: str, parameters: ModelParameters
+) -> BuiltObject:
+    """Return an object of a dataset with its model, built as the protocol of Table 1 says.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    name, setting : str
+    parameters : ModelParameters
+        Their Retinex thresholds are used where none were learned for the dataset.
+
+    Returns
+    -------
+    BuiltObject
+    """
     capture = dataset.load(name, setting)
     photograph = capture.photograph
     thresholds = thresholds_for(dataset.name, setting, name) or parameters.thresholds

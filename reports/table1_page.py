@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 import evaluation.table1
 from datasets.atomic import atomic_path
 from datasets.records import Dataset
-from reports.decomposition_figure import decomposition_figure
+from reports.decomposition_figure import decomposition_figure, teaser_figure
 from reports.error_figure import object_error_figure, table_shape_figure
 from reports.figures import PanelFigure
 from reports.gallery_figure import gallery_figure
@@ -99,6 +99,7 @@ def page_text(subject: Subject) -> str:
             detail_effect=detail_effect(document),
             synthetic=subject.dataset.name == SYNTHETIC,
             incomplete=missing_reasons(document, len(subject.dataset.objects)),
+            teaser=teaser_figure(subject),
             plots=[table_shape_figure(subject), object_error_figure(subject)],
             objects=object_table(document),
             figures=[figure for make in PANEL_FIGURES.values() for figure in make(subject)],
@@ -171,6 +172,26 @@ def code_segments(text: str) -> list[tuple[bool, str]]:
     return [(bool(place % 2), piece) for place, piece in enumerate(pieces) if piece]
 
 
+def symbol_segments(text: str) -> list[tuple[str, str]]:
+    """Return a text cut at its one-letter indices: each piece, and the index that follows it.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    list of (str, str)
+
+    Examples
+    --------
+    >>> symbol_segments("the residual S_p alone")
+    [('the residual S', 'p'), (' alone', '')]
+    """
+    pieces = re.split(r"(?<=\b[A-Zw])_(\w)\b", text)
+    return list(zip(pieces[::2], [*pieces[1::2], ""], strict=True))
+
+
 def _number(value: float | None, digits: int = 5) -> str:
     return "–" if value is None else f"{value:.{digits}f}"  # noqa: RUF001  an en dash: no value
 
@@ -187,7 +208,12 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": _number, "percent": _percent, "segments": code_segments}
+    environment.filters |= {
+        "number": _number,
+        "percent": _percent,
+        "segments": code_segments,
+        "symbols": symbol_segments,
+    }
     return environment
 
 

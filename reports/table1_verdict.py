@@ -67,9 +67,14 @@ class Verdict:
         if not judged:
             return "Too few entries were measured to compare any ordering with the paper."
         whole = sum(finding.state == "holds" for finding in judged)
+        share = (
+            f"All {whole} of the paper's orderings that can be checked hold here"
+            if whole == len(judged)
+            else f"{whole} of the {len(judged)} of the paper's orderings that can be checked"
+            f" {'holds' if whole == 1 else 'hold'} here in full"
+        )
         return (
-            f"Of the {len(judged)} orderings reported by the paper that can be checked, {whole}"
-            f" {'holds' if whole == 1 else 'hold'} here; of {self.pairs} pairs of published"
+            f"{share}; of {self.pairs} pairs of published"
             f" entries measured here, {self.pairs_alike} come in the published order."
         )
 
@@ -109,7 +114,7 @@ def detail_effect(document: dict[str, Any]) -> tuple[Finding, ...]:
     ours = measured(document)
     return tuple(
         _finding(
-            f"{rule} weights lower the error of the coarse shading alone",
+            f"{rule.capitalize()} weights do better than the coarse shading alone",
             [
                 (f"{setting}, {words}", ours[setting, source, rule], ours[coarse])
                 for setting in SETTINGS
