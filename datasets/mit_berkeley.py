@@ -7,6 +7,7 @@ down, column right, toward the viewer) are turned into (x right, y up, z toward 
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -101,7 +102,7 @@ class _ObjectFiles:
 
     @cached_property
     def crop(self) -> tuple[slice, slice]:
-        indices = _load_mat(self.laboratory / "crop_idx.mat")
+        indices = _load_mat(self.laboratory / "crop_idx.mat", "crop_idx1", "crop_idx2")
         # Stored as small unsigned integers, one-based and contiguous.
         rows, columns = (
             np.asarray(indices[key]).ravel().astype(int) for key in ("crop_idx1", "crop_idx2")
@@ -131,7 +132,7 @@ class _ObjectFiles:
         )
 
     def lit_photographs(self) -> tuple[LitPhotograph, ...]:
-        lights = _load_mat(self.laboratory / "L.mat")["color_lights"].light
+        lights = _load_mat(self.laboratory / "L.mat", "color_lights")["color_lights"].light
         return tuple(
             LitPhotograph(
                 self.photograph(f"light{k:02d}.png"),
@@ -141,18 +142,21 @@ class _ObjectFiles:
         )
 
     def _height(self) -> Map:
-        depth = np.asarray(_load_mat(self.laboratory / "Z.mat")["depth"], dtype=np.float64)
-        return self._masked(depth[self.crop])
+        stored = _load_mat(self.laboratory / "Z.mat", "depth")["depth"]
+        return self._masked(np.asarray(stored, dtype=np.float64)[self.crop])
 
     def _shading(self) -> Image:
         if self.setting == "natural":
             return self._png(self.folder / "shading_color.png")
-        stored = _load_mat(self.laboratory / "shading_corrected_color.mat")["shading_correct"]
+        path = self.laboratory / "shading_corrected_color.mat"
+        stored = _load_mat(path, "shading_correct")["shading_correct"]
         return np.asarray(stored, dtype=np.float64)[self.crop]
 
     def _coefficients(self) -> Float:
-        stored = _load_mat(self.folder / "L.mat")
-        light = stored["L"] if self.setting == "natural" else stored["color_lights"].diffuse
+        if self.setting == "natural":
+            light = _load_mat(self.folder / "L.mat", "L")["L"]
+        else:
+            light = _load_mat(self.folder / "L.mat", "color_lights")["color_lights"].diffuse
         return np.asarray(light, dtype=np.float64)
 
     def _png(self, path: Path) -> Float:
@@ -186,15 +190,22 @@ def normals_of_depth(height: Map) -> Normals:
     return normals_of_slopes(*slopes(height))
 
 
-def _load_mat(path: Path) -> dict[str, Any]:
+# What SciPy raises on files that are cut short or hold something else, found by cutting them.
+_UNREADABLE = (
+    *(OSError, EOFError, ValueError, TypeError, IndexError, KeyError, NotImplementedError),
+    *(zlib.error, scipy.io.matlab.MatReadError),
+)
+
+
+def _load_mat(path: Path, *variables: str) -> dict[str, Any]:
     if not path.is_file():
         raise RelightlabError(
             f"no such file: {path}; get it with 'relightlab data fetch mit-berkeley'"
         )
     try:
         loaded: dict[str, Any] = scipy.io.loadmat(path, squeeze_me=True, struct_as_record=False)
-    except (OSError, ValueError, TypeError, EOFError, scipy.io.matlab.MatReadError) as error:
+        return {name: loaded[name] for name in variables}
+    except _UNREADABLE as error:
         raise RelightlabError(
             f"cannot read {path}: {error}; the file is damaged, fetch it again"
         ) from error
-    return loaded
