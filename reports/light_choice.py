@@ -18,7 +18,7 @@ from shading_model.object_model import ObjectModel
 
 FITTED = "fitted"
 """Name of the light that was fitted to the model's own photograph."""
-CONVENTIONS: dict[str, type[LogHarmonics] | type[LinearHarmonics]] = {
+CONVENTIONS: dict[str, type[LogHarmonics | LinearHarmonics]] = {
     "log": LogHarmonics,
     "linear": LinearHarmonics,
 }

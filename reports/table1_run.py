@@ -18,7 +18,6 @@ from datasets.synthetic_manifest import MANIFEST
 from evaluation.provenance import provenance_of
 from evaluation.published_table1 import OPEN_ENTRIES
 from evaluation.rerendering import CHANNELS
-from evaluation.published_table1 import OPEN_ENTRIES
 from evaluation.table1 import (
     DETAIL_SOURCES,
     PROTOCOL,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 COLUMNS = ("setting", "method", "details", "weights", "IMSE", "relative", "published")
+TITLE = "Table 1: re-rendering error (published: on MIT-Berkeley, under other lights)"
 OPEN = "open: needs SIRFS"
 DETAILS = {
     "default": "(a) Retinex",

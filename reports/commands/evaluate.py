@@ -44,7 +44,7 @@ def rerendering_command(
     from reports.console import print_table, say
     from reports.result_files import write_json
     from reports.table1_run import measure_table1, open_source
-    from reports.table1_text import COLUMNS, table1_lines
+    from reports.table1_text import COLUMNS, TITLE, table1_lines
     from shading_model.object_model import Weights
 
     weights = Weights(*numbers_of(manual, 2, "--manual"))
@@ -53,7 +53,7 @@ def rerendering_command(
     run = measure_table1(
         source, objects=names_of(objects), channels=channels, manual=weights, workers=workers
     )
-    print_table("Table 1: re-rendering error", COLUMNS, table1_lines(run.document))
+    print_table(TITLE, COLUMNS, table1_lines(run.document))
     if json is not None:
         write_json(json, run.document)
         say(f"written: {json}")

@@ -35,7 +35,7 @@ def reproduce_command(
     from reports.result_files import write_csv, write_json
     from reports.table1_page import write_page
     from reports.table1_run import measure_table1, open_source
-    from reports.table1_text import COLUMNS, summary_lines, table1_lines
+    from reports.table1_text import COLUMNS, TITLE, summary_lines, table1_lines
     from shading_model.object_model import Weights
 
     weights = Weights(*numbers_of(manual, 2, "--manual"))
@@ -44,7 +44,7 @@ def reproduce_command(
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
     run = measure_table1(source, channels=channels, manual=weights, workers=workers)
-    print_table("Table 1: re-rendering error", COLUMNS, table1_lines(run.document))
+    print_table(TITLE, COLUMNS, table1_lines(run.document))
     for path in results:
         write_json(path, run.document)
     write_csv(table, run.document["rows"])
