@@ -29,6 +29,7 @@ from datasets.synthetic_manifest import (
 )
 from datasets.synthetic_objects import SyntheticObject, load_object, make_object, save_object
 from datasets.synthetic_shapes import SHAPES
+from datasets.worker_processes import leave_interrupts_to_the_parent
 from shading_model.errors import RelightlabError, unknown_name
 
 DEFAULT_SIZE, DEFAULT_SEED, DEFAULT_SAMPLES = 300, 0, 16
@@ -224,7 +225,9 @@ def _made(
     if count == 1:
         yield from (_make_file(*task) for task in tasks)
         return
-    with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
+    with joblib.parallel_config(
+        backend="loky", inner_max_num_threads=1, initializer=leave_interrupts_to_the_parent
+    ):
         run = joblib.Parallel(n_jobs=count, return_as="generator_unordered")
         yield from run(joblib.delayed(_make_file_on_one_thread)(*task) for task in tasks)
 

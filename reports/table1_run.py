@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from joblib import parallel_config
+
 from datasets.illumination_pools import TABLE1_SEED, table1_lights
 from datasets.locations import find_data_root, missing_data_sentence
 from datasets.mit_berkeley import MitBerkeley
@@ -15,6 +17,7 @@ from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
 from datasets.synthetic_manifest import MANIFEST
+from datasets.worker_processes import leave_interrupts_to_the_parent
 from evaluation.provenance import provenance_of
 from evaluation.published_table1 import OPEN_ENTRIES
 from evaluation.rerendering import CHANNELS
@@ -155,7 +158,10 @@ def measure_table1(
         raise RelightlabError(f"expected at least one worker, got {workers}")
     parameters = shipped_parameters()
     started = time.monotonic()
-    with progress("measuring cells") as report:
+    with (
+        progress("measuring cells") as report,
+        parallel_config(backend="loky", initializer=leave_interrupts_to_the_parent),
+    ):
         table = run_table1(
             source.dataset,
             source.lights,

@@ -31,7 +31,7 @@ def painted(mask: Mask) -> Image:
     """Return a photograph of a shaded object in two colours, positive everywhere."""
     rows, columns = np.indices(mask.shape)
     shading = 0.2 + 0.6 * columns / mask.shape[1]
-    paint = np.where((rows > mask.shape[0] / 2)[..., None], [0.8, 0.5, 0.3], [0.3, 0.5, 0.8])
+    paint = np.where((rows > mask.shape[0] / 2)[..., None], [0.8, 0.5, 0.3], [0.2, 0.3, 0.6])
     return paint * shading[..., None]
 
 
