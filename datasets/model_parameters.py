@@ -17,6 +17,6 @@ def shipped_parameters() -> ModelParameters:
     Examples
     --------
     >>> shipped_parameters().thresholds
-    RetinexThresholds(gray=1.0, chromaticity=0.08)
+    RetinexThresholds(gray=1.4, chromaticity=0.065)
     """
     return ModelParameters(shipped_dictionary())

@@ -96,6 +96,6 @@ def intrinsic_error(
 def _block_sums(values: Map, side: int) -> Float:
     rows, columns = (-size % side for size in values.shape)
     padded = np.pad(values, ((0, rows), (0, columns)))
-    blocks = padded.reshape(padded.shape[0] // side, side, -1, side)
+    blocks = padded.reshape(padded.shape[0] // side, side, padded.shape[1] // side, side)
     sums: Float = blocks.sum(axis=(1, 3))
     return sums

@@ -112,8 +112,11 @@ def code_commit() -> str:
     >>> len(code_commit()) >= len(UNKNOWN)
     True
     """
-    folder = Path(__file__).resolve().parent
+    module = Path(__file__).resolve()
+    folder = module.parent
     try:
+        # An installed copy may lie in an environment inside somebody else's checkout.
+        _git(folder, "ls-files", "--error-unmatch", module.name)
         commit = _git(folder, "rev-parse", "HEAD")
         changed = _git(folder, "status", "--porcelain", "--untracked-files=no")
     except (OSError, subprocess.CalledProcessError):

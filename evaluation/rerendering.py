@@ -41,7 +41,7 @@ class RerenderingCell:
     power: float
 
     def error(self, weights: Weights) -> float:
-        """Return IMSE' (`eq:MSEmetric`) at these weights, with the best k >= 0.
+        """Return IMSE' (`eq:MSEmetric`) at these weights, with the best k >= 0; NaN for NaN.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class RerenderingCell:
     def _error_along(self, direction: Float) -> float:
         length = float(direction @ self.gram @ direction)
         along = max(float(direction @ self.cross), 0.0)
-        explained = along**2 / length if length > 0 else 0.0
+        explained = 0.0 if length <= 0 else along**2 / length
         return max(self.power - explained, 0.0)
 
 

@@ -1,0 +1,26 @@
+"""A tiny synthetic set and its Table 1, made once for all tests of the evaluation."""
+
+from __future__ import annotations
+
+import pytest
+
+from datasets.illumination_pools import table1_lights
+from datasets.model_parameters import shipped_parameters
+from datasets.synthetic import Synthetic, synthesize
+from evaluation.table1 import Table1, run_table1
+
+OBJECTS = ("bear", "cup", "medal")
+LIGHTS = table1_lights(None, count=4)
+
+
+@pytest.fixture(scope="session")
+def tiny_set(tmp_path_factory: pytest.TempPathFactory) -> Synthetic:
+    """Three objects of 64 pixels in both settings."""
+    folder = tmp_path_factory.mktemp("tiny")
+    return synthesize(folder, size=64, samples=2, objects=OBJECTS, workers=1)
+
+
+@pytest.fixture(scope="session")
+def tiny_table(tiny_set: Synthetic) -> Table1:
+    """Table 1 of the tiny set under four lights, by one process."""
+    return run_table1(tiny_set, LIGHTS, shipped_parameters(), workers=1)
