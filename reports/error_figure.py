@@ -100,6 +100,8 @@ def _draw_objects(
     axis.set_xlabel("IMSE over mean I², percent")
     axis.set_yticks(places, names)
     axis.set_ylim(-0.7, len(names) - 0.3)
+    if not (stacked > 0).any():
+        return
     axis.set_xscale("log")
     axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.xaxis.set_major_formatter("{x:g}")
@@ -111,7 +113,10 @@ def _extremes(
 ) -> str:
     sentences = []
     for setting in settings:
-        own = {name: errors.get((name, setting, "oracle"), np.nan) for name in names}
+        every = {name: errors.get((name, setting, "oracle"), np.nan) for name in names}
+        own = {name: value for name, value in every.items() if np.isfinite(value)}
+        if not own:
+            continue
         low, high = min(own, key=lambda n: own[n]), max(own, key=lambda n: own[n])
         sentences.append(
             f"In the {setting} setting, relative error with oracle weights runs from"
@@ -146,10 +151,14 @@ def table_shape_figure(subject: Subject) -> PlotFigure:
         " unknown scale of the lights. What then remains is the order and the proportions.",
         svg,
         "; ".join(
-            f"{', '.join(_words(key))}: published {a:.2f}, here {b:.2f}"
+            f"{', '.join(_words(key))}: published {a:.2f}, here {_in_words(b)}"
             for key, a, b in zip(keys, _relative(theirs, keys), _relative(ours, keys), strict=True)
         ),
     )
+
+
+def _in_words(value: float) -> str:
+    return f"{value:.2f}" if np.isfinite(value) else "not measured"
 
 
 def _relative(

@@ -95,7 +95,13 @@ def _row(name: str, built: BuiltObject, light: LogHarmonics, number: int) -> Pan
         share = cell.error(weights) / cell.power
         shown = photograph_picture(relit[rule], bright)
         difference = diverging_picture(errors[rule], limit)
-        panels += _pair(f"{name} under {words}", rule, weights, (shown, difference), share)
+        panels += _pair(
+            f"{name} under {words} by the {built.capture.setting} model",
+            rule,
+            weights,
+            (shown, difference),
+            share,
+        )
     return PanelRow(f"{name}, {words}", tuple(panels), 6, (Scale(limit, "error"),))
 
 

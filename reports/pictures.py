@@ -206,7 +206,18 @@ def with_light(picture: Picture, light: LogHarmonics) -> Picture:
 
 
 def fitted(picture: Picture, width: int) -> Picture:
-    """Return a picture made smaller, if it is wider than `width`, in the same proportions."""
+    """Return a picture made smaller, if it is wider than `width`, in the same proportions.
+
+    Parameters
+    ----------
+    picture : (h, w, 4) uint8 array
+    width : int
+        Pixels.
+
+    Returns
+    -------
+    (h, w, 4) uint8 array
+    """
     height, own_width = picture.shape[:2]
     if own_width <= width:
         return picture

@@ -1,0 +1,135 @@
+"""The page as a browser shows it: nothing overflows, nothing fails to load, dark mode is dark."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from selenium.common.exceptions import WebDriverException
+from selenium.webdriver import Chrome, ChromeOptions
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from tests.reports.small_result import small_page, small_result
+
+__all__ = ["small_page", "small_result"]
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+DARKEST_LIGHT_PAGE, LIGHTEST_DARK_PAGE = 200, 60
+LEAST_CONTRAST = 4.5
+
+
+def start_browser() -> Chrome:
+    """Return a browser without a window; skips where there is none."""
+    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    driver = shutil.which("chromedriver")
+    if browser is None or driver is None:
+        missing = "a Chromium" if browser is None else "chromedriver"
+        pytest.skip(f"{missing} was not found (Debian: chromium and chromium-driver)")
+    options = ChromeOptions()
+    options.binary_location = browser
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    try:
+        return Chrome(options=options, service=Service(driver))
+    except WebDriverException as error:
+        pytest.skip(f"Chromium did not start: {error.msg}")
+
+
+@pytest.fixture(scope="module")
+def browser(small_page: Path) -> Iterator[Chrome]:
+    """A browser that shows the small page."""
+    driver = start_browser()
+    driver.get(small_page.as_uri())
+    yield driver
+    driver.quit()
+
+
+def resize(browser: Chrome, width: int, scheme: str = "light", media: str = "screen") -> None:
+    """Show the page at a width, in a colour scheme, on screen or paper."""
+    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    features = [{"name": "prefers-color-scheme", "value": scheme}]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media, "features": features})
+
+
+def colour(browser: Chrome, selector: str, quantity: str) -> list[int]:
+    """Return a computed colour as red, green, blue."""
+    script = "return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
+    text = str(browser.execute_script(script, selector, quantity))
+    return [int(part) for part in text[text.index("(") + 1 : -1].split(",")[:3]]
+
+
+def luminance(rgb: list[int]) -> float:
+    """Return the relative luminance of a colour (WCAG 2.2)."""
+    linear = [
+        v / 12.92 if (v := part / 255) <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for part in rgb
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("width", [400, 1400])
+def test_nothing_overflows(browser: Chrome, width: int) -> None:
+    """Neither a telephone nor a wide screen has to scroll the page sideways."""
+    resize(browser, width)
+    widths = browser.execute_script(
+        "document.querySelectorAll('details').forEach(d => d.open = true);"
+        "return [document.documentElement.scrollWidth, window.innerWidth]"
+    )
+    assert widths[0] <= widths[1] == width
+
+
+def test_wide_tables_scroll_inside_themselves(browser: Chrome) -> None:
+    """On a telephone Table 1 is wider than its frame, and arrow keys move it."""
+    resize(browser, 400)
+    frame = browser.find_element(By.CSS_SELECTOR, ".scroll")
+    moved = "return [arguments[0].scrollWidth - arguments[0].clientWidth, arguments[0].scrollLeft]"
+    assert browser.execute_script(moved, frame)[0] > 0
+    browser.execute_script("arguments[0].focus()", frame)
+    browser.switch_to.active_element.send_keys(Keys.ARROW_RIGHT)
+    browser.execute_async_script("setTimeout(arguments[0], 400)")
+    assert browser.execute_script(moved, frame)[1] > 0
+
+
+def test_every_picture_is_shown(browser: Chrome) -> None:
+    """Every image decodes, to the size the page reserves for it."""
+    resize(browser, 1400)
+    images = browser.execute_script(
+        "return [...document.images].map("
+        "  i => [i.complete, i.naturalWidth, +i.getAttribute('width')])"
+    )
+    assert len(images) > 50
+    assert all(complete and own == reserved > 0 for complete, own, reserved in images)
+
+
+def test_browser_reports_nothing(browser: Chrome) -> None:
+    """The console holds no error, and the page asked for nothing but itself."""
+    assert browser.get_log("browser") == []
+    assert browser.execute_script("return performance.getEntriesByType('resource').length") == 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out(browser: Chrome, scheme: str) -> None:
+    """Text of every colour reaches the contrast WCAG asks for, in light and in dark mode."""
+    resize(browser, 1400, scheme)
+    paper = colour(browser, "body", "backgroundColor")
+    dark = max(paper) < LIGHTEST_DARK_PAGE
+    assert dark if scheme == "dark" else min(paper) > DARKEST_LIGHT_PAGE
+    for selector in ("body", "small", "nav a", ".caption", ".state", ".absent", "svg text"):
+        quantity = "fill" if selector == "svg text" else "color"
+        bright, dim = sorted(
+            [luminance(paper), luminance(colour(browser, selector, quantity))], reverse=True
+        )
+        assert (bright + 0.05) / (dim + 0.05) >= LEAST_CONTRAST, selector
+
+
+def test_paper_is_white(browser: Chrome) -> None:
+    """Printed, even from dark mode, the page is black on white and without its navigation."""
+    resize(browser, 800, "dark", "print")
+    assert colour(browser, "body", "backgroundColor") == [255, 255, 255]
+    assert colour(browser, "body", "color") == [0, 0, 0]
+    assert not browser.find_element(By.TAG_NAME, "nav").is_displayed()
