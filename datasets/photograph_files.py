@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from datasets.image_files import FilePath, Picture, linearised, read_mask, read_picture
 from datasets.records import Photograph
-from shading_model.arrays import Image, Mask, check_mask
+from shading_model.arrays import Image, Mask, check_image, check_mask
 from shading_model.errors import RelightlabError
 
 MAX_PIXELS = 4_000_000
@@ -59,7 +59,8 @@ def load_photograph(
     Raises
     ------
     RelightlabError
-        If a file cannot be read, there is no mask, or it is empty or of another size.
+        If a file cannot be read, there is no mask, it is empty or of another size, or the object
+        is black all over.
     """
     if max_pixels < 1:
         raise RelightlabError(f"expected at least one pixel to build from, got {max_pixels}")
@@ -67,7 +68,8 @@ def load_photograph(
     mask = _mask_for(picture, path, mask_path)
     frame = _frame_for(mask, max_pixels)
     image, kept = _reduced(picture.colour[frame.region], mask[frame.region], frame.factor)
-    return Photograph(image, kept, Path(path).stem, str(path)), frame.notice(mask.shape)
+    photograph = Photograph(check_image(image, kept), kept, Path(path).stem, str(path))
+    return photograph, frame.notice(mask.shape)
 
 
 def saturation_notice(photograph: Photograph) -> str | None:

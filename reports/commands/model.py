@@ -42,21 +42,27 @@ def build_command(
         Path | None, typer.Option(help="Known shading (picture or .exr) instead of Retinex.")
     ] = None,
     max_pixels: Annotated[
-        int, typer.Option(help="Object pixels at most; larger objects are reduced.")
+        int,
+        typer.Option(help="Larger objects are reduced; four million take minutes and 5 GB."),
     ] = 4_000_000,
 ) -> None:
     """Build an object model from a photograph and its mask."""
     from datasets.model_files import save_model
     from datasets.photograph_files import load_photograph, saturation_notice
-    from reports.console import say
-    from shading_model.object_model import build_model
+    from reports.console import progress, say
+    from shading_model.object_model import build_model, contour_base
 
     check_suffix(out, (".npz",))
     parameters = _parameters(gray_threshold, chromaticity_threshold, slope_limit)
     taken, notice = load_photograph(photograph, mask, max_pixels=max_pixels)
     say(*filter(None, (notice, saturation_notice(taken))))
     known = None if shading is None else _shading(shading)
-    model = build_model(taken.image, taken.mask, parameters, shading=known)
+    with progress("building") as report:
+        report(0, 2, "contour shape")
+        shape = contour_base(taken.mask, parameters)
+        report(1, 2, "contour shape")
+        model = build_model(taken.image, taken.mask, parameters, shape=shape, shading=known)
+        report(2, 2, "albedo, light and detail")
     save_model(out, model, name=taken.name, source=taken.source)
     height, width = model.mask.shape
     say(f"written: {out} ({width}x{height} pixels, {int(model.mask.sum())} on the object)")

@@ -129,3 +129,13 @@ def test_reproduce_writes_all_its_results(
     assert lines[-5].startswith("synthetic: 2 objects under 20 lights")
     assert str(out / "report" / "index.html") in lines[-6]
     assert "160 cells done, 160 open" in lines[-2]
+
+
+@pytest.mark.real_data
+def test_the_measured_set_is_found_first(mit_berkeley_root: Path) -> None:
+    """Where MIT-Berkeley is, it is taken with its own lights, and the notice says where."""
+    from reports.table1_run import open_source
+
+    source = open_source(mit_berkeley_root.parent)
+    assert (source.dataset.name, len(source.dataset.objects)) == ("mit-berkeley", 20)
+    assert source.notice == f"MIT-Berkeley found in {mit_berkeley_root}"

@@ -1,0 +1,89 @@
+"""Tests of Table 1 as text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
+from reports.table1_text import COLUMNS, OPEN, summary_lines, table1_lines
+
+RULES = ("coarse", "default", "regression", "oracle", "manual")
+
+
+def entry(setting: str, source: str, rule: str, imse: float | None) -> dict[str, Any]:
+    """Return a row of the document."""
+    return {
+        "setting": setting,
+        "method": "ours",
+        "detail_source": source,
+        "weights": rule,
+        "imse": imse,
+        "relative_imse": None if imse is None else 10 * imse,
+    }
+
+
+def document(imse: float | None = 0.01) -> dict[str, Any]:
+    """Return a document in which every error is the same."""
+    settings = ("natural", "laboratory")
+    return {
+        "rows": [
+            entry(setting, source, rule, imse)
+            for setting in settings
+            for source in ("default", "gt-shading")
+            for rule in RULES
+        ],
+        "baselines": [entry(setting, "flat", "coarse", imse) for setting in settings],
+        "published": list(PUBLISHED),
+        "open": list(OPEN_ENTRIES),
+        "objects": [{"object": name} for name in ("a", "b", "a")],
+        "protocol": {"name": "table-1", "version": 1, "lights": 20, "channels": "gray"},
+        "provenance": {
+            "dataset": "mit-berkeley",
+            "cells_done": 160,
+            "cells_missing": 80,
+            "seconds": 1.5,
+            "workers": 2,
+            "commit": "0123456789abcdef",
+            "data_hash": "fedcba9876543210",
+        },
+    }
+
+
+def test_every_entry_is_a_line() -> None:
+    """Per setting: a flat shape, SIRFS, five rules of two sources, and two open entries."""
+    lines = table1_lines(document())
+    assert lines.count(()) == 1
+    assert len(lines) == 2 * (1 + 1 + 10 + 2) + 1
+    assert {len(line) for line in lines if line} == {len(COLUMNS)}
+
+
+def test_open_entries_stay_in_sight() -> None:
+    """What needs SIRFS says so, beside the published value, and has no number of ours."""
+    lines = [line for line in table1_lines(document()) if OPEN in line]
+    assert len(lines) == 6
+    assert {line[5] for line in lines} == {"-"}
+    published = {f"{row['imse']:.4f}" for row in PUBLISHED if row["method"] == "sirfs"}
+    assert published < {line[6] for line in lines}
+
+
+def test_every_published_value_is_shown_once() -> None:
+    """The last column holds each value of the published table."""
+    shown = sorted(line[6] for line in table1_lines(document()) if line and line[6] != "-")
+    assert shown == sorted(f"{row['imse']:.4f}" for row in PUBLISHED)
+
+
+def test_a_missing_number_is_a_dash() -> None:
+    """A rule that had nothing to learn from shows no number."""
+    assert all(line[4] in {"-", OPEN} for line in table1_lines(document(None)) if line)
+
+
+def test_the_summary_has_five_lines() -> None:
+    """Objects and protocol, two settings, cells, and where it came from."""
+    lines = summary_lines(document())
+    assert len(lines) == 5
+    assert lines[0].startswith("mit-berkeley: 2 objects under 20 lights")
+    assert lines[1] == (
+        "natural: IMSE regression 0.01000 (0.0358 published), oracle 0.01000 (0.0329 published)"
+    )
+    assert lines[3] == "160 cells done, 80 open (4 entries need SIRFS)"
+    assert lines[4] == "1.5 s, workers: 2, code 0123456789ab, data fedcba987654"
