@@ -16,7 +16,7 @@ import typer
 from reports.commands.data import app as data_app
 from reports.commands.evaluate import app as evaluate_app
 from reports.commands.model import app as model_app
-from reports.commands.reproduce import reproduce_command
+from reports.commands.reproduce import app as reproduce_app
 from shading_model.errors import RelightlabError
 
 WRONG_USE = 2
@@ -29,7 +29,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command("reproduce")(reproduce_command)
+app.add_typer(reproduce_app)
 app.add_typer(data_app, name="data")
 app.add_typer(model_app, name="model")
 app.add_typer(evaluate_app, name="evaluate")

@@ -22,11 +22,6 @@ from reports.commands.options import (
 app = typer.Typer(help="Measure the model.")
 
 
-@app.callback()
-def evaluate_command() -> None:
-    """Measure the model."""
-
-
 @app.command("rerendering")
 def rerendering_command(
     dataset: Dataset = None,

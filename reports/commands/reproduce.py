@@ -20,6 +20,10 @@ from reports.commands.options import (
 )
 
 
+app = typer.Typer()
+
+
+@app.command("reproduce")
 def reproduce_command(
     data: DataRoot = None,
     out: Annotated[Path, typer.Option(help="Folder for results and report.")] = Path("out"),
