@@ -242,10 +242,10 @@ COUNTED = {
 @pytest.mark.real_data
 @pytest.mark.parametrize("name", OBJECTS)
 def test_natural_shading_is_the_sets_own_forward_model(mit_berkeley_root: Path, name: str) -> None:
-    """Log(shading) = B(N) . L with a root-mean-square error below 0.005 inside the eroded mask.
+    """Log(shading) = B(N) . L far within the wanted 0.005 (RMS) inside the eroded mask.
 
-    Pixels at zero (black) and at one (clipped by the file format) are left out: at most 2 % of
-    them. This holds for axes, signs, units and bit depth at once.
+    This holds for axes, signs, units and bit depth at once. Values of zero (black) and one (clipped
+    by the file format) are left out: 8 of 3.5 million over all objects. Measured: at most 3.6e-5.
     """
     capture = MitBerkeley(mit_berkeley_root).load(name, "natural")
     truth, mask = capture.truth, capture.photograph.mask
@@ -256,11 +256,11 @@ def test_natural_shading_is_the_sets_own_forward_model(mit_berkeley_root: Path, 
     normals, shading = truth.normals[inner], truth.shading[inner]
     predicted = harmonics(normals) @ truth.illumination.coefficients
     usable = (shading > 0) & (shading < 1)
-    assert usable.mean() > 0.98
+    assert (~usable).sum() <= 8
     error = np.log(shading[usable]) - predicted[usable]
-    assert np.sqrt(np.mean(error**2)) < 0.005
+    assert np.sqrt(np.mean(error**2)) < 1e-4
     # Where it was clipped, the model says that it would be above one.
-    assert (predicted[shading == 1] > -0.005).all()
+    assert (predicted[shading == 1] > -1e-4).all()
 
 
 @pytest.mark.real_data
