@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import subprocess
 from dataclasses import asdict, dataclass
@@ -95,7 +96,7 @@ def provenance_of(
         data_hash=data_hash,
         seeds=seeds,
         python=platform.python_version(),
-        machine=f"{platform.system()} {platform.machine()}, {platform.processor() or 'CPU'}",
+        machine=f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
         versions={name: version(name) for name in VERSIONED},
         seconds=round(seconds, 1),
         workers=workers,

@@ -65,8 +65,8 @@ def summary_lines(document: Mapping[str, Any]) -> list[str]:
         f" {protocol['name']} version {protocol['version']}, {protocol['channels']}"
     )
     counted = (
-        f"{origin['cells_done']} cells done, {origin['cells_missing']} open"
-        f" ({len(document['open'])} entries need SIRFS)"
+        f"{origin['cells_done']} cells done, {origin['cells_missing']} missing;"
+        f" {len(document['open'])} table entries open (they need SIRFS)"
     )
     came_from = (
         f"{origin['seconds']:.1f} s, workers: {origin['workers']},"

@@ -128,7 +128,7 @@ def test_reproduce_writes_all_its_results(
     lines = capsys.readouterr().out.splitlines()
     assert lines[-5].startswith("synthetic: 2 objects under 20 lights")
     assert str(out / "report" / "index.html") in lines[-6]
-    assert "160 cells done, 160 open" in lines[-2]
+    assert "160 cells done, 0 missing" in lines[-2]
 
 
 @pytest.mark.real_data

@@ -85,5 +85,5 @@ def test_the_summary_has_five_lines() -> None:
     assert lines[1] == (
         "natural: IMSE regression 0.01000 (0.0358 published), oracle 0.01000 (0.0329 published)"
     )
-    assert lines[3] == "160 cells done, 80 open (4 entries need SIRFS)"
+    assert lines[3] == "160 cells done, 80 missing; 4 table entries open (they need SIRFS)"
     assert lines[4] == "1.5 s, workers: 2, code 0123456789ab, data fedcba987654"
