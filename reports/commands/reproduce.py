@@ -19,7 +19,6 @@ from reports.commands.options import (
     numbers_of,
 )
 
-
 app = typer.Typer()
 
 
