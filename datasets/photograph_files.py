@@ -19,7 +19,7 @@ from datasets.records import Photograph
 from shading_model.arrays import Image, Mask, check_image, check_mask
 from shading_model.errors import RelightlabError
 
-MAX_PIXELS = 4_000_000
+MAX_PIXELS = 1_000_000
 """Object pixels that a model is built from at most: about 5 GB and two minutes."""
 MARGIN = 4
 """Background kept on each side of a cropped object, in pixels."""

@@ -16,6 +16,8 @@ from shading_model.object_model import ObjectModel, Weights
 CHANNELS = ("gray", "color")
 SMALLEST_SHARE = 1e-12
 """Weights of a layer with less than this share of the coarse shading's power are left at zero."""
+SMALLEST_SCALE = 1e-6
+"""The least k of an oracle, in units in which coarse shading and target have equal power."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,17 +54,23 @@ class RerenderingCell:
     def oracle(self) -> Weights:
         """Return the weights of least error: joint least squares over k, k w_p and k w_g.
 
-        Where the best k is not positive there is no best weight (the coarse shading opposes the
-        target); then, and for layers that are zero, the weights are zero.
+        Where the best k is not positive (the coarse shading opposes what the detail layers leave
+        of the target) the least error is only approached as the weights grow without limit; then
+        k is held at `SMALLEST_SCALE`, so that still no other weights do better. Layers that are
+        zero get weight zero.
+
+        Returns
+        -------
+        Weights
         """
         strength = np.sqrt(np.maximum(np.diag(self.gram), 0.0))
         used = strength**2 > SMALLEST_SHARE * strength[0] ** 2
         scale = np.where(used, strength, 1.0)
         gram = np.where(np.outer(used, used), self.gram / np.outer(scale, scale), 0.0)
         cross = np.where(used, self.cross / scale, 0.0)
-        solution = np.linalg.lstsq(gram, cross, rcond=1e-10)[0] / scale
-        if solution[0] <= 0:
+        if not used[0]:
             return Weights(0.0, 0.0)
+        solution: Float = _least_squares(gram, cross, SMALLEST_SCALE * self.power**0.5) / scale
         return Weights(float(solution[1] / solution[0]), float(solution[2] / solution[0]))
 
     def _error_along(self, direction: Float) -> float:
@@ -70,6 +78,15 @@ class RerenderingCell:
         along = max(float(direction @ self.cross), 0.0)
         explained = 0.0 if length <= 0 else along**2 / length
         return max(self.power - explained, 0.0)
+
+
+def _least_squares(gram: Float, cross: Float, smallest: float) -> Float:
+    """Return the minimiser of ``x.gram x - 2 x.cross`` with ``x[0] >= smallest``."""
+    solution: Float = np.asarray(np.linalg.lstsq(gram, cross, rcond=1e-10)[0], dtype=np.float64)
+    if solution[0] >= smallest:
+        return solution
+    rest = cross[1:] - smallest * gram[1:, 0]
+    return np.array([smallest, *np.linalg.lstsq(gram[1:, 1:], rest, rcond=1e-10)[0]])
 
 
 def rerendering_cells(

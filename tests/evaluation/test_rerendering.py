@@ -175,6 +175,20 @@ def test_an_opposed_coarse_shading_gets_no_light() -> None:
     assert cell.oracle() == Weights(0, 0)
 
 
+@settings(max_examples=100)
+@given(seeds, weight, weight)
+def test_no_weights_beat_the_oracle_where_the_coarse_shading_is_opposed(
+    seed: int, parametric: float, geometric: float
+) -> None:
+    """Any columns and target, also such that the best joint k would be negative."""
+    columns = np.random.default_rng(seed).normal(size=(6, 4))
+    gram = columns.T @ columns
+    cell = RerenderingCell(gram[:3, :3], gram[:3, 3], float(gram[3, 3]))
+    best = cell.error(cell.oracle())
+    for weights in (Weights(parametric, geometric), Weights(0, 0), Weights(1, 1)):
+        assert best <= cell.error(weights) + 1e-9 * cell.power
+
+
 def test_unknown_weights_have_an_unknown_error() -> None:
     """A rule that could not choose (NaN) does not pass for one that did."""
     cell = RerenderingCell(np.eye(3), np.full(3, 0.5), power=2.0)
