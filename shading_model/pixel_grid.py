@@ -20,6 +20,12 @@ from shading_model.arrays import Float, Map, Mask
 
 Indices = NDArray[np.intp]
 COARSEST_UNKNOWNS = 200
+SINGULAR_SHIFT = 1e-8
+"""Added to the diagonal of a singular matrix where its multigrid is built, not where it is solved.
+
+The constants of thousands of small components would be zero up to rounding on the coarse grids, and
+their inverse anything.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,11 +150,11 @@ class PoissonSolver:
         self._size = matrix.shape[0]
         self._component = component
         if self._size:
-            legacy = sparse.csr_matrix(matrix)
-            legacy.indices = legacy.indices.astype(np.int32)
-            legacy.indptr = legacy.indptr.astype(np.int32)
-            self._hierarchy: Any = pyamg.ruge_stuben_solver(legacy, max_coarse=COARSEST_UNKNOWNS)
-            self._cycle: Any = self._hierarchy.aspreconditioner(cycle="V")
+            shift = 0.0 if component is None else SINGULAR_SHIFT
+            self._matrix = _short_indices(matrix)
+            regular = _short_indices(matrix + shift * sparse.eye_array(self._size, format="csr"))
+            hierarchy = pyamg.ruge_stuben_solver(regular, max_coarse=COARSEST_UNKNOWNS)
+            self._cycle: Any = hierarchy.aspreconditioner(cycle="V")
 
     def solve(self, right: Float, tolerance: float, start: Float | None = None) -> Float:
         """Return x with ``|A x - right| <= tolerance |right|`` (conjugate gradients).
@@ -164,8 +170,8 @@ class PoissonSolver:
         consistent = self._centred(right)
         if not consistent.any():
             return np.zeros(self._size)
-        solution: Float = self._hierarchy.solve(
-            consistent, x0=start, tol=tolerance, accel="cg", maxiter=100
+        solution, _ = pyamg.krylov.cg(
+            self._matrix, consistent, x0=start, tol=tolerance, maxiter=100, M=self._cycle
         )
         return self._centred(solution)
 
@@ -181,3 +187,11 @@ class PoissonSolver:
         means = np.bincount(self._component, weights=values) / counts
         centred: Float = values - means[self._component]
         return centred
+
+
+def _short_indices(matrix: sparse.csr_array) -> sparse.csr_matrix:
+    """Return the matrix as pyamg wants it: of SciPy's older kind, with 32-bit indices."""
+    legacy = sparse.csr_matrix(matrix)
+    legacy.indices = legacy.indices.astype(np.int32)
+    legacy.indptr = legacy.indptr.astype(np.int32)
+    return legacy

@@ -162,3 +162,14 @@ def test_the_residual_is_below_the_tolerance(tolerance: float) -> None:
     solution = interior_solver(grid).solve(right, tolerance)
     residual = grid.laplacian[inside][:, inside] @ solution - right
     assert np.linalg.norm(residual) <= tolerance * np.linalg.norm(right)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.62])
+def test_thousands_of_components_are_solved_to_the_tolerance(share: float) -> None:
+    """Dust, islands and threads of pixels meet the tolerance, and the library does not warn."""
+    generator = np.random.default_rng(7)
+    grid = PixelGrid(generator.random((400, 400)) < share)
+    right = grid.gradient.T @ generator.normal(size=len(grid.start))
+    solution = PoissonSolver(grid.laplacian, grid.components[1]).solve(right, 1e-8)
+    residual = grid.laplacian @ solution - right
+    assert np.linalg.norm(residual) <= 1e-8 * np.linalg.norm(right)
