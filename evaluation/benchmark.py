@@ -29,6 +29,7 @@ from datasets.mit_berkeley import MitBerkeley
 from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset, Photograph
 from datasets.synthetic import Synthetic, synthetic_root
+from evaluation.grid_run import RunOptions
 from evaluation.table1 import run_table1
 from shading_model.geometric_detail import geometric_detail
 from shading_model.illumination_fit import fit_point_lights
@@ -184,7 +185,8 @@ def _time_table(
     dataset: Dataset, root: Path | None, parameters: ModelParameters, workers: int
 ) -> None:
     start = time.perf_counter()
-    run_table1(dataset, table1_lights(root), parameters, workers=workers)
+    options = RunOptions(workers=workers)
+    run_table1(dataset, table1_lights(root), parameters, options=options)
     seconds = time.perf_counter() - start
     # Only children that have ended are counted.
     get_reusable_executor().shutdown(wait=True)

@@ -96,13 +96,36 @@ def provenance_of(
         data_hash=data_hash,
         seeds=seeds,
         python=platform.python_version(),
-        machine=f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
+        machine=machine(),
         versions={name: version(name) for name in VERSIONED},
         seconds=round(seconds, 1),
         workers=workers,
         cells_done=cells_done,
         cells_missing=cells_missing,
     )
+
+
+def machine() -> str:
+    """Return the kind of machine, without its name.
+
+    Examples
+    --------
+    >>> "processors" in machine()
+    True
+    """
+    return f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors"
+
+
+def environment() -> str:
+    """Return Python, the packages that numbers depend on, and the machine, in one line.
+
+    Examples
+    --------
+    >>> environment().startswith("Python ")
+    True
+    """
+    packages = ", ".join(f"{name} {version(name)}" for name in VERSIONED)
+    return f"Python {platform.python_version()}, {packages}; {machine()}"
 
 
 def code_commit() -> str:

@@ -57,7 +57,7 @@ class RerenderingCell:
         Where the best k is not positive (the coarse shading opposes what the detail layers leave
         of the target) the least error is only approached as the weights grow without limit; then
         k is held at `SMALLEST_SCALE`, so that still no other weights do better. Layers that are
-        zero get weight zero.
+        zero get weight zero; a cell that was not measured (NaN) has NaN weights.
 
         Returns
         -------
@@ -68,6 +68,8 @@ class RerenderingCell:
         scale = np.where(used, strength, 1.0)
         gram = np.where(np.outer(used, used), self.gram / np.outer(scale, scale), 0.0)
         cross = np.where(used, self.cross / scale, 0.0)
+        if np.isnan(self.power):
+            return Weights(float("nan"), float("nan"))
         if not used[0]:
             return Weights(0.0, 0.0)
         solution: Float = _least_squares(gram, cross, SMALLEST_SCALE * self.power**0.5) / scale
@@ -117,7 +119,7 @@ def rerendering_cells(
     """
     inside = _compared_pixels(model, truth)
     ours, true = (_channels(a, inside, channels) for a in (model.albedo, truth.albedo))
-    coefficients = _monochrome_coefficients(lights)
+    coefficients = monochrome_coefficients(lights)
     targets = np.exp(harmonics(_known(truth.normals)[inside]) @ coefficients)
     coarse = np.exp(harmonics(model.normals[inside]) @ coefficients)
     details = model.parametric_residual[inside], model.geometric_detail[inside]
@@ -184,7 +186,22 @@ def _channels(image: Image | None, inside: Mask, channels: str) -> Float:
     return values if channels == "color" else values.mean(axis=-1, keepdims=True)
 
 
-def _monochrome_coefficients(lights: Sequence[LogHarmonics]) -> Float:
+def monochrome_coefficients(lights: Sequence[LogHarmonics]) -> Float:
+    """Return the coefficients of lights of one colour.
+
+    Parameters
+    ----------
+    lights : sequence of LogHarmonics
+
+    Returns
+    -------
+    (9, l) array
+
+    Raises
+    ------
+    RelightlabError
+        If there is no light, or one is coloured.
+    """
     if not lights:
         raise RelightlabError("expected at least one light to relight by, got none")
     if any(light.coefficients.ndim != 1 for light in lights):

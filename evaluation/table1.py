@@ -39,23 +39,47 @@ Error
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from datasets.records import Dataset
-from evaluation.object_measurement import ObjectResult, measure_object
+from evaluation.experiment import Experiment
+from evaluation.grid_run import DEFAULT_OPTIONS, GridStatus, Progress, RunOptions, run_grid
+from evaluation.object_measurement import ObjectResult
+from evaluation.rerendering import monochrome_coefficients
+from evaluation.row_store import MemoryRows, Rows
+from evaluation.table1_grid import (
+    DETAIL_SOURCES,
+    NAME,
+    VERSION,
+    Table1Context,
+    object_results,
+    table1_experiment,
+)
 from evaluation.weight_rules import MANUAL, WEIGHT_RULES, CellGrid
 from shading_model.arrays import Float
 from shading_model.errors import unknown_name
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters, Weights
 
-PROTOCOL = "table-1"
-PROTOCOL_VERSION = 1
-DETAIL_SOURCES = ("default", "gt-shading")
+PROTOCOL, PROTOCOL_VERSION = NAME, VERSION
+
+
+@dataclass(frozen=True, eq=False)
+class MissingCell:
+    """A cell without a result, and why.
+
+    Parameters
+    ----------
+    cell : dict of str
+        Its value on each axis.
+    reason : str
+    """
+
+    cell: dict[str, str]
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +97,8 @@ class Table1:
     results : tuple of ObjectResult
         All objects of the dataset, in every setting.
     manual : Weights
+    missing : tuple of MissingCell
+        Cells of the grid without a result; means are over the others.
     """
 
     dataset: str
@@ -81,6 +107,7 @@ class Table1:
     coefficients: Float
     results: tuple[ObjectResult, ...]
     manual: Weights = MANUAL
+    missing: tuple[MissingCell, ...] = ()
 
     def rows(self) -> list[dict[str, str | float | int]]:
         """Return one row per table entry, in the order of the published table."""
@@ -103,9 +130,9 @@ class Table1:
                 "object": name,
                 "detail_source": source,
                 "weights": rule,
-                "imse": float(row.mean()),
-                "relative_imse": float(row.mean() / self._power(setting, name)),
-                "cells": row.size,
+                "imse": _mean(row),
+                "relative_imse": _mean(row) / self._power(setting, name),
+                "cells": int(np.isfinite(row).sum()),
             }
             for setting, source, rule, errors in self._entries(DETAIL_SOURCES)
             for name, row in zip(self.objects, errors, strict=True)
@@ -125,6 +152,15 @@ class Table1:
             for result in self.results
             if result.name in self.objects
         ]
+
+    def missing_entries(self) -> tuple[MissingCell, ...]:
+        """Return the missing cells that the reported entries lack."""
+        return tuple(
+            missing
+            for missing in self.missing
+            if missing.cell["object"] in self.objects
+            and missing.cell["detail_source"] in DETAIL_SOURCES
+        )
 
     def settings(self) -> tuple[str, ...]:
         """Return the settings measured, in order."""
@@ -163,12 +199,12 @@ class Table1:
             and (result.name == name if name else result.name in self.objects)
             for cell in result.cells["default"]
         ]
-        return float(np.mean(powers))
+        return _mean(np.array(powers))
 
     def _row(
         self, setting: str, source: str, rule: str, errors: Float
     ) -> dict[str, str | float | int]:
-        imse = float(errors.mean())
+        imse = _mean(errors)
         return {
             "dataset": self.dataset,
             "setting": setting,
@@ -177,12 +213,14 @@ class Table1:
             "weights": rule,
             "imse": imse,
             "relative_imse": imse / self._power(setting),
-            "cells": int(errors.size),
+            "cells": int(np.isfinite(errors).sum()),
         }
 
 
-Progress = Callable[[int, int, str], None]
-"""Called with cells done, cells in all, and what was done last."""
+def _mean(values: Float) -> float:
+    """Return the mean of the finite values, NaN if there are none."""
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if finite.size else float("nan")
 
 
 def run_table1(
@@ -193,13 +231,15 @@ def run_table1(
     objects: Sequence[str] = (),
     channels: str = "gray",
     manual: Weights = MANUAL,
-    workers: int = 2,
+    seed: str = "",
+    store: Rows | None = None,
+    options: RunOptions = DEFAULT_OPTIONS,
     progress: Progress | None = None,
 ) -> Table1:
     """Measure Table 1 on a dataset; the protocol is in this module's docstring.
 
-    Time grows with objects times settings; memory holds `workers` objects. The result does not
-    depend on the number of workers.
+    Time grows with objects times settings; memory holds as many objects as there are workers. The
+    numbers depend on neither workers nor store.
 
     Parameters
     ----------
@@ -212,8 +252,12 @@ def run_table1(
         The objects to report; all of the dataset by default.
     channels : {"gray", "color"}
     manual : Weights
-    workers : int
-        Processes, each with one BLAS thread.
+    seed : str
+        Name that the lights were drawn by.
+    store : Rows, optional
+        Cells it holds are not measured again; without one, rows are kept in memory.
+    options : RunOptions
+        Workers, scheduler, cells to measure, time limit.
     progress : callable, optional
 
     Returns
@@ -223,22 +267,28 @@ def run_table1(
     Raises
     ------
     RelightlabError
-        For unknown objects, coloured lights, or data that cannot be read.
+        For unknown objects or axes, coloured lights, a store of another protocol version, or data
+        that cannot be read.
     """
     for name in objects:
         if name not in dataset.objects:
             raise unknown_name("object", name, dataset.objects)
-    tasks = [(name, setting) for setting in dataset.settings for name in dataset.objects]
-    jobs = (
-        delayed(measure_object)(dataset, name, setting, lights, parameters, channels)
-        for name, setting in tasks
+    coefficients = monochrome_coefficients(lights).T
+    experiment = table1_experiment(
+        Table1Context(dataset, tuple(lights), parameters, channels), seed
     )
-    results = []
-    for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
-        results.append(result)
-        if progress:
-            done = len(results) * len(lights)
-            progress(done, len(tasks) * len(lights), f"{result.name} {result.setting}")
+    status = run_grid(experiment, store or MemoryRows(), options, progress)
     chosen = tuple(name for name in dataset.objects if not objects or name in objects)
-    coefficients = np.stack([light.coefficients for light in lights])
-    return Table1(dataset.name, chosen, channels, coefficients, tuple(results), manual)
+    results = object_results(experiment, status)
+    return Table1(
+        dataset.name, chosen, channels, coefficients, results, manual, _missing(experiment, status)
+    )
+
+
+def _missing(experiment: Experiment, status: GridStatus) -> tuple[MissingCell, ...]:
+    found = []
+    for key in status.missing:
+        row = status.rows.get(key)
+        reason = row["reason"].strip().splitlines()[-1] if row else "not measured"
+        found.append(MissingCell(dict(zip(experiment.axes, key, strict=True)), reason))
+    return tuple(found)

@@ -22,7 +22,8 @@ def table1_document(table: Table1, provenance: Provenance) -> dict[str, Any]:
     dict
         ``rows``, one for each table entry; ``baselines``, a flat shape with the Retinex albedo;
         ``published``; ``open``, the entries not computed; ``objects`` and ``intrinsic``, the
-        same by object; ``protocol`` and ``provenance``. NaN becomes None.
+        same by object; ``missing``, the cells that should be there but are not, with
+        reasons; ``protocol`` and ``provenance``. NaN becomes None.
     """
     return {
         "protocol": {
@@ -38,6 +39,7 @@ def table1_document(table: Table1, provenance: Provenance) -> dict[str, Any]:
         "open": [dict(entry) for entry in OPEN_ENTRIES],
         "objects": _finite(table.object_rows()),
         "intrinsic": _finite(table.intrinsic_rows()),
+        "missing": [{**found.cell, "reason": found.reason} for found in table.missing_entries()],
         "provenance": provenance.document(),
     }
 

@@ -94,9 +94,18 @@ def regressed(grid: CellGrid, neighbours: int = NEIGHBOURS) -> Float:
         near = order[: -(-neighbours // others)]
         offset = grid.coefficients[near] - grid.coefficients[light]
         for index in range(len(grid.cells)):
-            known = np.delete(grid.oracle, index, axis=0)[:, near].mean(axis=0)
+            known = _known_mean(np.delete(grid.oracle, index, axis=0)[:, near])
             predicted[index, light] = _affine_at_zero(offset, known)
     return predicted
+
+
+def _known_mean(weights: Float) -> Float:
+    """Return the mean over objects of the weights that are not NaN, (lights, 2)."""
+    known = np.isfinite(weights)
+    total = np.where(known, weights, 0.0).sum(axis=0)
+    mean: Float = np.divide(total, known.sum(axis=0), out=np.full_like(total, np.nan),
+                            where=known.any(axis=0))  # fmt: skip
+    return mean
 
 
 def _affine_at_zero(offset: Float, values: Float) -> Float:

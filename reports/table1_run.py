@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from joblib import parallel_config
-
 from datasets.illumination_pools import TABLE1_SEED, table1_lights
 from datasets.locations import find_data_root, missing_data_sentence
 from datasets.mit_berkeley import MitBerkeley
@@ -17,16 +15,12 @@ from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
 from datasets.synthetic_manifest import MANIFEST
-from datasets.worker_processes import leave_interrupts_to_the_parent
+from evaluation.grid_run import DEFAULT_OPTIONS, RunOptions
 from evaluation.provenance import provenance_of
 from evaluation.rerendering import CHANNELS
-from evaluation.table1 import (
-    DETAIL_SOURCES,
-    PROTOCOL,
-    PROTOCOL_VERSION,
-    Table1,
-    run_table1,
-)
+from evaluation.row_store import ROWS, RowStore
+from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
+from evaluation.table1_grid import DETAIL_SOURCES
 from evaluation.table1_results import table1_document
 from evaluation.weight_rules import MANUAL
 from reports.console import progress
@@ -128,7 +122,8 @@ def measure_table1(
     objects: Sequence[str] = (),
     channels: str = "gray",
     manual: Weights = MANUAL,
-    workers: int = 2,
+    store: Path | None = None,
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> Table1Run:
     """Measure Table 1 and say where its numbers come from.
 
@@ -139,8 +134,10 @@ def measure_table1(
         Those to report; all by default.
     channels : {"gray", "color"}
     manual : Weights
-    workers : int
-        Processes; the numbers do not depend on it.
+    store : Path, optional
+        Folder that keeps the rows; what it holds is not measured again.
+    options : RunOptions
+        The numbers do not depend on them.
 
     Returns
     -------
@@ -149,18 +146,13 @@ def measure_table1(
     Raises
     ------
     RelightlabError
-        For unknown names, fewer than one worker, or data that cannot be read.
+        For unknown names, fewer than one worker, or data or a store that cannot be used.
     """
     if channels not in CHANNELS:
         raise unknown_name("channels", channels, CHANNELS)
-    if workers < 1:
-        raise RelightlabError(f"expected at least one worker, got {workers}")
     parameters = shipped_parameters()
     started = time.monotonic()
-    with (
-        progress("measuring cells") as report,
-        parallel_config(backend="loky", initializer=leave_interrupts_to_the_parent),
-    ):
+    with progress("measuring cells") as report:
         table = run_table1(
             source.dataset,
             source.lights,
@@ -168,16 +160,19 @@ def measure_table1(
             objects=objects,
             channels=channels,
             manual=manual,
-            workers=workers,
+            seed=TABLE1_SEED,
+            store=None if store is None else RowStore(store / ROWS),
+            options=options,
             progress=report,
         )
-    document = _document(table, source, time.monotonic() - started, workers)
+    document = _document(table, source, time.monotonic() - started, options.workers)
     return Table1Run(document, source.dataset, source.lights, parameters)
 
 
 def _document(table: Table1, source: Table1Source, seconds: float, workers: int) -> dict[str, Any]:
     """Return the document; a cell is an object under a light, for a detail source and setting."""
-    cells = len(table.objects) * len(source.lights)
+    expected = len(table.objects) * len(source.lights) * len(DETAIL_SOURCES) * len(table.settings())
+    missing = len(table.missing_entries())
     provenance = provenance_of(
         protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",
         dataset=source.dataset.name,
@@ -185,9 +180,8 @@ def _document(table: Table1, source: Table1Source, seconds: float, workers: int)
         seeds={"lights": TABLE1_SEED},
         seconds=seconds,
         workers=workers,
-        cells_done=cells * len(DETAIL_SOURCES) * len(table.settings()),
-        # A cell that cannot be measured ends the run; entries that need SIRFS are listed as open.
-        cells_missing=0,
+        cells_done=expected - missing,
+        cells_missing=missing,
     )
     return table1_document(table, provenance)
 

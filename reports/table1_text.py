@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import typer
+
 COLUMNS = ("setting", "method", "details", "weights", "IMSE", "relative", "published")
 TITLE = "Table 1: re-rendering error (published: on MIT-Berkeley, under other lights)"
 OPEN = "open: needs SIRFS"
+INCOMPLETE = 3
+"""Exit code of a command whose table lacks cells."""
+SHOWN_MISSING = 10
 DETAILS = {
     "default": "(a) Retinex",
     "sirfs-shading": "(b) SIRFS shading",
@@ -74,6 +79,31 @@ def summary_lines(document: Mapping[str, Any]) -> list[str]:
     )
     settings = [_comparison(document, setting) for setting in ("natural", "laboratory")]
     return [measured, *settings, counted, came_from]
+
+
+def stop_if_incomplete(document: Mapping[str, Any]) -> None:
+    """End the command with exit code 3 if cells of the table are missing, and name them.
+
+    Parameters
+    ----------
+    document : mapping
+        Of `evaluation.table1_results.table1_document`.
+
+    Raises
+    ------
+    typer.Exit
+        With code `INCOMPLETE`.
+    """
+    missing = document["missing"]
+    if not missing:
+        return
+    typer.echo(f"INCOMPLETE: {len(missing)} cells are missing from the table", err=True)
+    for cell in missing[:SHOWN_MISSING]:
+        words = [value for axis, value in cell.items() if axis != "reason"]
+        typer.echo(f"  {' '.join(words)}: {cell['reason']}", err=True)
+    if len(missing) > SHOWN_MISSING:
+        typer.echo(f"  and {len(missing) - SHOWN_MISSING} more, all in the JSON", err=True)
+    raise typer.Exit(INCOMPLETE)
 
 
 def _setting_lines(document: Mapping[str, Any], setting: str) -> list[tuple[str, ...]]:

@@ -11,9 +11,14 @@ from reports.commands.options import (
     Channels,
     DataRoot,
     Dataset,
+    Force,
     JsonFile,
     Manual,
+    Only,
+    Scheduler,
     Size,
+    Store,
+    TaskSeconds,
     Workers,
     names_of,
     numbers_of,
@@ -33,22 +38,35 @@ def rerendering_command(
     manual: Manual = "0.5,0.5",
     size: Size = 300,
     workers: Workers = 2,
+    scheduler: Scheduler = None,
+    store: Store = None,
+    only: Only = None,
+    force: Force = False,
+    task_seconds: TaskSeconds = None,
     json: JsonFile = None,
 ) -> None:
     """Relight every object under natural lights and compare with the truth (Table 1)."""
+    from evaluation.experiment import parse_only
+    from evaluation.grid_run import RunOptions
     from reports.console import print_table, say
     from reports.result_files import write_json
     from reports.table1_run import measure_table1, open_source
-    from reports.table1_text import COLUMNS, TITLE, table1_lines
+    from reports.table1_text import COLUMNS, TITLE, stop_if_incomplete, table1_lines
     from shading_model.object_model import Weights
 
     weights = Weights(*numbers_of(manual, 2, "--manual"))
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
     run = measure_table1(
-        source, objects=names_of(objects), channels=channels, manual=weights, workers=workers
+        source,
+        objects=names_of(objects),
+        channels=channels,
+        manual=weights,
+        store=store,
+        options=RunOptions(workers, scheduler, parse_only(only or []), force, task_seconds),
     )
     print_table(TITLE, COLUMNS, table1_lines(run.document))
     if json is not None:
         write_json(json, run.document)
         say(f"written: {json}")
+    stop_if_incomplete(run.document)

@@ -18,6 +18,21 @@ JsonFile = Annotated[
     typer.Option("--json", metavar="FILE", help="Write the same numbers to this file."),
 ]
 Workers = Annotated[int, typer.Option(help="Processes; results do not depend on them.")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="tcp://HOST:PORT", help="Measure on this Dask cluster instead."),
+]
+Only = Annotated[
+    list[str] | None,
+    typer.Option(metavar="AXIS=VALUE", help="Measure only these cells; may be given again."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Measure again what is done.")]
+TaskSeconds = Annotated[
+    float | None, typer.Option(metavar="SECONDS", help="Stop a task that takes longer.")
+]
+Store = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Keep the rows in this folder, and resume.")
+]
 Dataset = Annotated[
     str | None,
     typer.Option(help="mit-berkeley or synthetic; by default the first that is found."),

@@ -12,8 +12,10 @@ from reports.commands.options import (
     Channels,
     DataRoot,
     Dataset,
+    Force,
     JsonFile,
     Manual,
+    Scheduler,
     Size,
     Workers,
     numbers_of,
@@ -31,14 +33,17 @@ def reproduce_command(
     size: Size = 300,
     manual: Manual = "0.5,0.5",
     channels: Channels = "gray",
+    scheduler: Scheduler = None,
+    force: Force = False,
     json: JsonFile = None,
 ) -> None:
     """Build the object models, print Table 1 beside the published one and write the page."""
+    from evaluation.grid_run import RunOptions
     from reports.console import print_table, say
     from reports.result_files import write_csv, write_json
     from reports.table1_page import write_page
     from reports.table1_run import measure_table1, open_source
-    from reports.table1_text import COLUMNS, TITLE, summary_lines, table1_lines
+    from reports.table1_text import COLUMNS, TITLE, stop_if_incomplete, summary_lines, table1_lines
     from shading_model.object_model import Weights
 
     weights = Weights(*numbers_of(manual, 2, "--manual"))
@@ -46,7 +51,13 @@ def reproduce_command(
     table, page = out / "results" / "table1.csv", out / "report" / "index.html"
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
-    run = measure_table1(source, channels=channels, manual=weights, workers=workers)
+    run = measure_table1(
+        source,
+        channels=channels,
+        manual=weights,
+        store=out / "store",
+        options=RunOptions(workers, scheduler, force=force),
+    )
     print_table(TITLE, COLUMNS, table1_lines(run.document))
     for path in results:
         write_json(path, run.document)
@@ -60,3 +71,4 @@ def reproduce_command(
     )
     say(*(f"written: {path}" for path in (*results, table, page)))
     say(*summary_lines(run.document))
+    stop_if_incomplete(run.document)

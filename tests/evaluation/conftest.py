@@ -17,10 +17,10 @@ LIGHTS = table1_lights(None, count=4)
 def tiny_set(tmp_path_factory: pytest.TempPathFactory) -> Synthetic:
     """Three objects of 64 pixels in both settings."""
     folder = tmp_path_factory.mktemp("tiny")
-    return synthesize(folder, size=64, samples=2, objects=OBJECTS, workers=1)
+    return synthesize(folder, size=64, samples=2, objects=OBJECTS)
 
 
 @pytest.fixture(scope="session")
 def tiny_table(tiny_set: Synthetic) -> Table1:
     """Table 1 of the tiny set under four lights, by one process."""
-    return run_table1(tiny_set, LIGHTS, shipped_parameters(), workers=1)
+    return run_table1(tiny_set, LIGHTS, shipped_parameters())

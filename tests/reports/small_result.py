@@ -74,10 +74,10 @@ def provenance(**changes: Any) -> Provenance:
 def small_result(tmp_path_factory: pytest.TempPathFactory) -> SmallResult:
     """Three objects of 64 pixels, in both settings, under four lights."""
     folder = tmp_path_factory.mktemp("small")
-    dataset = synthesize(folder, size=64, samples=2, objects=OBJECTS, workers=1)
+    dataset = synthesize(folder, size=64, samples=2, objects=OBJECTS)
     lights = table1_lights(None, count=4)
     parameters = shipped_parameters()
-    table = run_table1(dataset, lights, parameters, workers=1)
+    table = run_table1(dataset, lights, parameters)
     return SmallResult(table1_document(table, provenance()), dataset, lights, parameters)
 
 

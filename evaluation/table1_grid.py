@@ -1,0 +1,182 @@
+"""Table 1 as a grid: its axes, what is measured in a cell, and the table made of the rows.
+
+A cell is an object in a setting, relit under one light by the model of one detail source. Its
+values are the inner products that the error depends on at any weights, so every weight rule is
+evaluated on the rows alone. The cells of one object in one setting share its models and are
+measured together.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from datasets.records import Dataset
+from evaluation.code_version import code_hash
+from evaluation.experiment import Cell, Experiment, Values
+from evaluation.grid_run import GridStatus
+from evaluation.object_measurement import ObjectResult, measure_object
+from evaluation.rerendering import RerenderingCell
+from evaluation.retinex_thresholds import shipped_table
+from shading_model.illumination import LogHarmonics
+from shading_model.object_model import ModelParameters
+
+NAME, VERSION = "table-1", 1
+DETAIL_SOURCES = ("default", "gt-shading")
+BASELINE = "flat"
+_GRAM = {"gram_cc": (0, 0), "gram_cp": (0, 1), "gram_cg": (0, 2), "gram_pp": (1, 1),
+         "gram_pg": (1, 2), "gram_gg": (2, 2)}  # fmt: skip
+_CROSS = ("cross_c", "cross_p", "cross_g")
+_OBJECT_VALUES = ("retinex_error", "point_light_residual", "harmonic_residual")
+
+
+@dataclass(frozen=True, eq=False)
+class Table1Context:
+    """What the cells of Table 1 are measured with; see `evaluation.table1.run_table1`."""
+
+    dataset: Dataset
+    lights: tuple[LogHarmonics, ...]
+    parameters: ModelParameters
+    channels: str
+
+
+def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
+    """Return Table 1 on a dataset as an experiment.
+
+    Parameters
+    ----------
+    context : Table1Context
+    seed : str
+        Name that the lights were drawn by.
+
+    Returns
+    -------
+    Experiment
+    """
+    dataset = context.dataset
+    return Experiment(
+        name=NAME,
+        version=VERSION,
+        axes={
+            "setting": dataset.settings,
+            "object": dataset.objects,
+            "detail_source": (*DETAIL_SOURCES, BASELINE),
+            "light": tuple(f"{number:02d}" for number in range(len(context.lights))),
+        },
+        together=("detail_source", "light"),
+        measure=measure_cells,
+        context=context,
+        inputs={
+            "dataset": dataset.name,
+            "data": dataset.fingerprint(),
+            "lights": _hash(*(light.coefficients for light in context.lights)),
+            "parameters": _parameters_hash(context.parameters),
+            "channels": context.channels,
+            "code": code_hash(),
+        },
+        seed=seed,
+    )
+
+
+def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tuple[Cell, Values]]:
+    """Measure cells of one object in one setting.
+
+    Parameters
+    ----------
+    context : Table1Context
+    cells : sequence of mappings
+
+    Yields
+    ------
+    cell, values
+    """
+    first = cells[0]
+    result = measure_object(
+        context.dataset,
+        first["object"],
+        first["setting"],
+        context.lights,
+        context.parameters,
+        context.channels,
+    )
+    shared = {name: getattr(result, name) for name in _OBJECT_VALUES}
+    known = {name: value for name, value in shared.items() if np.isfinite(value)}
+    for cell in cells:
+        measured = result.cells[cell["detail_source"]][int(cell["light"])]
+        yield cell, {**_values(measured), **known}
+
+
+def object_results(experiment: Experiment, status: GridStatus) -> tuple[ObjectResult, ...]:
+    """Return the results by object that the rows of a store hold; NaN where a cell is missing.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        As `table1_experiment` makes it.
+    status : GridStatus
+
+    Returns
+    -------
+    tuple of ObjectResult
+        Settings by objects, in the order of the axes.
+    """
+    axes = experiment.axes
+    return tuple(
+        _object_result(axes, status, setting, name)
+        for setting in axes["setting"]
+        for name in axes["object"]
+    )
+
+
+def _object_result(
+    axes: dict[str, tuple[str, ...]], status: GridStatus, setting: str, name: str
+) -> ObjectResult:
+    def values(source: str, light: str) -> Values:
+        row = status.rows.get((setting, name, source, light))
+        return row["values"] if row else {}
+
+    cells = {
+        source: tuple(_cell(values(source, light)) for light in axes["light"])
+        for source in axes["detail_source"]
+    }
+    found = [values(s, light) for s in axes["detail_source"] for light in axes["light"]]
+    shared: Values = next((row for row in found if row), {})
+    numbers = {key: shared.get(key, float("nan")) for key in _OBJECT_VALUES}
+    return ObjectResult(name, setting, cells, **numbers)
+
+
+def _values(cell: RerenderingCell) -> dict[str, float]:
+    values = {name: float(cell.gram[place]) for name, place in _GRAM.items()}
+    values.update(zip(_CROSS, cell.cross.tolist(), strict=True))
+    return {**values, "power": cell.power}
+
+
+def _cell(values: Values) -> RerenderingCell:
+    gram = np.full((3, 3), np.nan)
+    for name, (row, column) in _GRAM.items():
+        gram[row, column] = gram[column, row] = values.get(name, np.nan)
+    cross = np.array([values.get(name, np.nan) for name in _CROSS])
+    return RerenderingCell(gram, cross, values.get("power", float("nan")))
+
+
+def _parameters_hash(parameters: ModelParameters) -> str:
+    numbers: list[Any] = [
+        parameters.thresholds.gray,
+        parameters.thresholds.chromaticity,
+        parameters.slope_limit,
+        parameters.sparsity,
+    ]
+    learned = hashlib.sha256(repr(shipped_table()["settings"]).encode()).hexdigest()
+    return _hash(parameters.dictionary.atoms, np.array(numbers)) + "-" + learned[:16]
+
+
+def _hash(*arrays: Any) -> str:
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(str(np.shape(array)).encode())
+        digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
+    return digest.hexdigest()
