@@ -26,28 +26,14 @@ DISTANCE = 1e4
 """A distant light is a point light this many times the picture's size away."""
 
 
-def natural_light_names() -> tuple[str, ...]:
-    """Return the names of the lights that ship: environment map and turn in degrees.
-
-    Returns
-    -------
-    tuple of str
-
-    Examples
-    --------
-    >>> natural_light_names()[1]
-    'apartment-72'
-    """
-    return tuple(_shipped())
-
-
 def named_light(name: str, model: ObjectModel) -> Illumination:
     """Return a light by its name, or from a JSON file.
 
     Parameters
     ----------
     name : str
-        `FITTED`, one of `natural_light_names`, or a file ending in ``.json`` (see `light_in`).
+        `FITTED`, a light that ships (its environment map and turn in degrees, ``apartment-72``),
+        or a file ending in ``.json`` (see `light_in`).
     model : ObjectModel
         Whose fitted light is meant.
 

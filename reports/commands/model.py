@@ -56,7 +56,7 @@ def build_command(
     parameters = _parameters(gray_threshold, chromaticity_threshold, slope_limit)
     taken, notice = load_photograph(photograph, mask, max_pixels=max_pixels)
     say(*filter(None, (notice, saturation_notice(taken))))
-    known = None if shading is None else _shading(shading)
+    known = None if shading is None else _shading(shading, taken.mask, notice)
     with progress("building") as report:
         report(0, 2, "contour shape")
         shape = contour_base(taken.mask, parameters)
@@ -80,13 +80,15 @@ def relight_command(
         str | None,
         typer.Option(metavar="X,Y,Z", help="Toward a distant light: right, up, to the viewer."),
     ] = None,
-    intensity: Annotated[float, typer.Option(help="Of the distant light.")] = 1.0,
+    intensity: Annotated[
+        float | None, typer.Option(help="Of the distant light; default: 1.")
+    ] = None,
     coefficients: Annotated[
         str | None, typer.Option(metavar="C1,...,C9", help="Nine harmonics, or 27 for colour.")
     ] = None,
     convention: Annotated[
-        str, typer.Option(help="Of the coefficients: 'log' or 'linear'.")
-    ] = "log",
+        str | None, typer.Option(help="Of the coefficients: 'log' (default) or 'linear'.")
+    ] = None,
     weights: Annotated[
         str, typer.Option(metavar="W_P,W_G", help="Weights of the two detail layers.")
     ] = "1,1",
@@ -156,20 +158,28 @@ def _parameters(
     )
 
 
-def _shading(path: Path) -> Float:
+def _shading(path: Path, mask: Mask, notice: str | None) -> Float:
     from datasets.image_files import read_image
     from datasets.openexr_files import read_openexr
 
-    return read_openexr(path) if path.suffix.lower() == ".exr" else read_image(path)
+    shading = read_openexr(path) if path.suffix.lower() == ".exr" else read_image(path)
+    (height, width), (rows, columns) = shading.shape[:2], mask.shape
+    if (height, width) != (rows, columns):
+        changed = f" ({notice}: a larger --max-pixels leaves it whole)" if notice else ""
+        raise RelightlabError(
+            f"the shading {path} is {width}x{height} pixels but the model is built from"
+            f" {columns}x{rows}{changed}: give a shading of that size"
+        )
+    return shading
 
 
 def _light(
     model: ObjectModel,
     name: str | None,
     direction: str | None,
-    intensity: float,
+    intensity: float | None,
     coefficients: str | None,
-    convention: str,
+    convention: str | None,
 ) -> Illumination:
     import numpy as np
 
@@ -177,12 +187,17 @@ def _light(
 
     if sum(given is not None for given in (name, direction, coefficients)) > 1:
         raise RelightlabError("give one of --light, --direction and --coefficients, not several")
+    if intensity is not None and direction is None:
+        raise RelightlabError("--intensity is that of a distant light: give its --direction too")
+    if convention is not None and coefficients is None:
+        raise RelightlabError("--convention is that of --coefficients: give them too")
     if direction is not None:
-        return distant_light(np.array(numbers_of(direction, 3, "--direction")), intensity, model)
+        toward = np.array(numbers_of(direction, 3, "--direction"))
+        return distant_light(toward, 1.0 if intensity is None else intensity, model)
     if coefficients is not None:
         count = 27 if coefficients.count(",") == 26 else 9
         numbers = numbers_of(coefficients, count, "--coefficients")
-        return harmonic_light(np.array(numbers), convention)
+        return harmonic_light(np.array(numbers), convention or "log")
     return named_light(name or FITTED, model)
 
 

@@ -180,6 +180,8 @@ def test_the_background_may_be_transparent(file: Path) -> None:
         (["--coefficients=1,2"], "expected 9 numbers"),
         (["--coefficients=1,2,3,4,5,6,7,8,nan"], "expected 9 numbers"),
         (["--coefficients=1,2,3,4,5,6,7,8,9", "--convention", "exp"], "Unknown convention 'exp'"),
+        (["--intensity", "2"], "give its --direction too"),
+        (["--convention", "linear"], "--convention is that of --coefficients"),
         (["--exposure=0"], "exposure above zero"),
         (["--background", "white"], "Unknown background 'white'"),
         (["--background", "transparent", "--out", "a.jpg"], "--out to end in .png"),
@@ -231,6 +233,21 @@ def test_build_refuses_in_one_sentence(
     assert words in error
     assert error.count("\n") == 1
     assert not (tmp_path / "model.npz").exists()
+
+
+def test_a_shading_of_another_size_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The sentence gives both sizes and, where the photograph was reduced, says so."""
+    shading = write_picture(tmp_path / "s.png", np.full((40, 40), 60000, np.uint16))
+    assert build(tmp_path, "--shading", str(shading), "--max-pixels", "300") == 2
+    error = capsys.readouterr().err
+    assert f"the shading {shading} is 40x40 pixels but the model is built from" in error
+    assert "built at 1/2 of the photograph's resolution: a larger --max-pixels" in error
+    assert error.count("\n") == 1
+    small = write_picture(tmp_path / "s.png", np.full((30, 40), 60000, np.uint16))
+    assert build(tmp_path, "--shading", str(small)) == 2
+    assert "is 40x30 pixels but the model is built from 40x40: give" in capsys.readouterr().err
 
 
 def test_build_asks_for_a_mask(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
