@@ -1,1 +1,16 @@
-"""Where pictures come from: every source yields the records of `datasets.records`."""
+"""Where pictures come from: every source yields the records of `datasets.records`.
+
+Sets
+    `mit_berkeley` (with `mit_axes`), and `synthetic`, which needs no data: `synthetic_shapes` lists
+    its twenty objects, `synthetic_objects` makes one of them.
+Finding and fetching them
+    `catalogue` (what is known), `locations` (the data root), `fetching` (with `resuming_download`),
+    `verification`, `file_tree`.
+Lights
+    `illumination_pools` (the draws of Table 1), `environment_maps` (the pool that ships).
+Files
+    `image_files`, `openexr_files`, `photograph_files` (a picture and its mask, ready for a model),
+    `model_files` (saved models), `atomic` (whole or absent).
+What ships for building models
+    `model_parameters`, `shading_dictionary`.
+"""
