@@ -19,103 +19,17 @@ from functools import partial
 from typing import Any
 
 from evaluation.dispatch import dispatch
-from evaluation.experiment import Cell, CellKey, Experiment
+from evaluation.experiment import Cell, Experiment
+from evaluation.grid_status import DONE, FAILED, SKIPPED, GridStatus, grid_status
 from evaluation.provenance import code_commit, environment
-from evaluation.row_store import DamagedLine, Rows
-from shading_model.errors import RelightlabError
+from evaluation.row_store import Rows
 
-DONE, FAILED, SKIPPED = "done", "failed", "skipped"
 Progress = Callable[[int, int, str], None]
 """Called with cells done, cells in all, and what was done last."""
 
 
 class SkippedError(Exception):
     """Raised by a measuring function for a cell that cannot exist, with the reason."""
-
-
-@dataclass(frozen=True, eq=False)
-class GridStatus:
-    """What a store holds of an experiment.
-
-    Parameters
-    ----------
-    rows : dict of rows
-        The last good row of each cell measured with the experiment's own inputs, by cell key.
-    missing : tuple of CellKey
-        Cells with no row, or whose last row failed, in grid order.
-    stale : int
-        Rows of this experiment that other inputs (data, parameters, code) gave; left out.
-    damaged : tuple of DamagedLine
-        Lines that cannot be read; their cells count as missing.
-    """
-
-    rows: dict[CellKey, dict[str, Any]]
-    missing: tuple[CellKey, ...]
-    stale: int
-    damaged: tuple[DamagedLine, ...]
-
-    @property
-    def failed(self) -> list[dict[str, Any]]:
-        """Rows of failed cells."""
-        return [row for row in self.rows.values() if row["status"] == FAILED]
-
-    @property
-    def complete(self) -> bool:
-        """Whether every cell is done or skipped."""
-        return not self.missing
-
-    def sentence(self) -> str:
-        """Return "N done, M to run" and what else a user has to know."""
-        words = [f"{len(self.rows) - len(self.failed)} done, {len(self.missing)} to run"]
-        if self.failed:
-            words.append(f"{len(self.failed)} of them failed before")
-        if self.stale:
-            words.append(f"{self.stale} rows of other data, parameters or code are left out")
-        if self.damaged:
-            lines = ", ".join(str(line.number) for line in self.damaged[:5])
-            words.append(f"{len(self.damaged)} damaged lines (line {lines}) are measured again")
-        return "; ".join(words)
-
-
-def grid_status(experiment: Experiment, store: Rows) -> GridStatus:
-    """Return what a store holds of an experiment.
-
-    Parameters
-    ----------
-    experiment : Experiment
-    store : Rows
-
-    Returns
-    -------
-    GridStatus
-
-    Raises
-    ------
-    RelightlabError
-        If the store holds rows of another version of the experiment's protocol.
-    """
-    rows, damaged = store.read()
-    wanted = experiment.input_hash()
-    latest: dict[CellKey, dict[str, Any]] = {}
-    stale = 0
-    for row in rows:
-        if row["experiment"] != experiment.name:
-            continue
-        if row["version"] != experiment.version:
-            raise RelightlabError(
-                f"the store holds results of protocol {experiment.name} {row['version']}, this"
-                f" is version {experiment.version}: keep it and choose another folder for the new"
-            )
-        if row["inputs"] != wanted:
-            stale += 1
-            continue
-        latest[experiment.key(row["cell"])] = row
-    missing = tuple(
-        key
-        for key in map(experiment.key, experiment.cells())
-        if key not in latest or latest[key]["status"] == FAILED
-    )
-    return GridStatus(latest, missing, stale, tuple(damaged))
 
 
 @dataclass(frozen=True)

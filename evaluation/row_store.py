@@ -1,46 +1,27 @@
 """An append-only file of result rows that a crash, a full disk or a second run cannot corrupt.
 
-Each line is ``CHECKSUM SPACE JSON NEWLINE``, the checksum being the first sixteen hexadecimal
-digits of the SHA-256 of the JSON text. Rows are appended under an exclusive lock and flushed to
+Lines are those of `evaluation.row_lines`. Rows are appended under an exclusive lock and flushed to
 disk before `RowStore.append` returns, so a row that was reported is there. A line that was cut or
 damaged fails its checksum: it is reported by `RowStore.read` and its cell is measured again; the
-lines around it stay good, because an append first closes a line that was cut.
+lines around it stay good, because an append first closes a line that was cut. No clock plays a
+part: of two rows of a cell the one further down counts.
 """
 
 from __future__ import annotations
 
 import fcntl
-import hashlib
-import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
 from typing import Any, Protocol
 
+from evaluation.row_lines import DamagedLine, Row, decode_rows, encode_rows
 from shading_model.errors import RelightlabError
 
-Row = Mapping[str, Any]
-CHECKSUM_DIGITS = 16
 ROWS = "rows.jsonl"
 """Name of the file in a store's folder."""
-
-
-@dataclass(frozen=True)
-class DamagedLine:
-    """A line whose checksum does not fit.
-
-    Parameters
-    ----------
-    number : int
-        One for the first line of the file.
-    reason : str
-    """
-
-    number: int
-    reason: str
 
 
 class Rows(Protocol):
@@ -48,6 +29,10 @@ class Rows(Protocol):
 
     def append(self, rows: Iterable[Row]) -> None:
         """Keep rows."""
+        ...
+
+    def stream(self) -> Iterator[dict[str, Any] | DamagedLine]:
+        """Yield the rows in the order of writing, one at a time, and the damaged lines."""
         ...
 
     def read(self) -> tuple[list[dict[str, Any]], list[DamagedLine]]:
@@ -71,9 +56,13 @@ class MemoryRows:
         Raises
         ------
         RelightlabError
-            As `encode_row`.
+            As `evaluation.row_lines.encode_row`.
         """
-        self._lines += [encode_row(row) for row in rows]
+        self._lines += list(encode_rows(rows))
+
+    def stream(self) -> Iterator[dict[str, Any] | DamagedLine]:
+        """Yield all rows in the order of writing."""
+        return decode_rows(self._lines)
 
     def read(self) -> tuple[list[dict[str, Any]], list[DamagedLine]]:
         """Return all rows, and no damaged line.
@@ -82,7 +71,7 @@ class MemoryRows:
         -------
         list of dict, list of DamagedLine
         """
-        return [decode_row(line) for line in self._lines], []
+        return apart(self.stream())
 
 
 class RowStore:
@@ -119,7 +108,7 @@ class RowStore:
             If a value cannot be written as JSON, or the file cannot be written; rows whose
             writing failed are cut off again, so the file ends with a whole line.
         """
-        content = b"".join(encode_row(row) for row in rows)
+        content = b"".join(encode_rows(rows))
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             # Unbuffered: what a failed write left over must not be flushed later.
@@ -131,6 +120,21 @@ class RowStore:
                 " the rows written before are safe, make room or choose another folder"
             ) from error
 
+    def stream(self) -> Iterator[dict[str, Any] | DamagedLine]:
+        """Yield the rows in the order of writing, one at a time, and the damaged lines.
+
+        Yields
+        ------
+        dict or DamagedLine
+            Memory does not grow with the number of rows.
+
+        Raises
+        ------
+        RelightlabError
+            If the file cannot be read; one that does not exist holds no rows.
+        """
+        return decode_rows(self._lines())
+
     def read(self) -> tuple[list[dict[str, Any]], list[DamagedLine]]:
         """Return all good rows in the order of writing, and the damaged lines.
 
@@ -138,77 +142,40 @@ class RowStore:
         -------
         list of dict, list of DamagedLine
         """
-        rows: list[dict[str, Any]] = []
-        damaged: list[DamagedLine] = []
-        for number, line in self._lines():
-            try:
-                rows.append(decode_row(line))
-            except ValueError as error:
-                damaged.append(DamagedLine(number, str(error)))
-        return rows, damaged
+        return apart(self.stream())
 
-    def _lines(self) -> Iterator[tuple[int, bytes]]:
-        if not self.path.exists():
-            return
+    def _lines(self) -> Iterator[bytes]:
         try:
             with self.path.open("rb") as stream:
-                yield from enumerate(stream, start=1)
+                yield from stream
+        except FileNotFoundError:
+            return
         except OSError as error:
             raise RelightlabError(f"cannot read {self.path}: {error.strerror or error}") from error
 
 
-def encode_row(row: Row) -> bytes:
-    r"""Return the line of a row.
+def apart(
+    found: Iterable[dict[str, Any] | DamagedLine],
+) -> tuple[list[dict[str, Any]], list[DamagedLine]]:
+    """Return rows and damaged lines as two lists.
 
     Parameters
     ----------
-    row : mapping
-
-    Raises
-    ------
-    RelightlabError
-        If a value is NaN, infinite or no JSON value.
+    found : iterable of dict or DamagedLine
 
     Examples
     --------
-    >>> encode_row({"imse": 0.5})
-    b'cf27a45cfc913bf0 {"imse": 0.5}\n'
+    >>> apart([{"imse": 0.5}, DamagedLine(2, "the line is cut off")])
+    ([{'imse': 0.5}], [DamagedLine(number=2, reason='the line is cut off')])
     """
-    try:
-        text = json.dumps(row, allow_nan=False, ensure_ascii=False).encode()
-    except (TypeError, ValueError) as error:
-        raise RelightlabError(f"a result row holds a value that is not JSON: {error}") from error
-    return _checksum(text) + b" " + text + b"\n"
-
-
-def decode_row(line: bytes) -> dict[str, Any]:
-    """Return the row of a line.
-
-    Parameters
-    ----------
-    line : bytes
-
-    Raises
-    ------
-    ValueError
-        If the line is cut or its checksum does not fit.
-
-    Examples
-    --------
-    >>> decode_row(encode_row({"imse": 0.5}))
-    {'imse': 0.5}
-    """
-    if not line.endswith(b"\n"):
-        raise ValueError("the line is cut off")
-    checksum, _, text = line[:-1].partition(b" ")
-    if checksum != _checksum(text):
-        raise ValueError("the checksum does not fit the line")
-    row: dict[str, Any] = json.loads(text)
-    return row
-
-
-def _checksum(text: bytes) -> bytes:
-    return hashlib.sha256(text).hexdigest()[:CHECKSUM_DIGITS].encode()
+    rows: list[dict[str, Any]] = []
+    damaged: list[DamagedLine] = []
+    for one in found:
+        if isinstance(one, DamagedLine):
+            damaged.append(one)
+        else:
+            rows.append(one)
+    return rows, damaged
 
 
 @contextmanager
@@ -230,7 +197,7 @@ def _write_whole(stream: FileIO, content: bytes) -> None:
         while written < len(content):
             written += stream.write(content[written:]) or 0
         os.fsync(stream.fileno())
-    except OSError:
+    except BaseException:  # a full disk, Ctrl-C or a time limit
         os.ftruncate(stream.fileno(), end)
         raise
 

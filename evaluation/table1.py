@@ -46,7 +46,8 @@ import numpy as np
 
 from datasets.records import Dataset
 from evaluation.experiment import Experiment
-from evaluation.grid_run import DEFAULT_OPTIONS, GridStatus, Progress, RunOptions, run_grid
+from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions, run_grid
+from evaluation.grid_status import GridStatus
 from evaluation.object_measurement import ObjectResult
 from evaluation.rerendering import monochrome_coefficients
 from evaluation.row_store import MemoryRows, Rows

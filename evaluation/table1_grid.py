@@ -18,7 +18,7 @@ import numpy as np
 from datasets.records import Dataset
 from evaluation.code_version import code_hash
 from evaluation.experiment import Cell, Experiment, Values
-from evaluation.grid_run import GridStatus
+from evaluation.grid_status import GridStatus
 from evaluation.object_measurement import ObjectResult, measure_object
 from evaluation.rerendering import RerenderingCell
 from evaluation.retinex_thresholds import shipped_table

@@ -1,0 +1,272 @@
+"""What a store holds of an experiment: which cells are done, failed, or still to run.
+
+Rows count for an experiment only if their input hash is its own. `grid_status` keeps the rows, for
+a table; `grid_summary` counts them in one byte for each cell, however many rows there are.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from evaluation.experiment import Cell, CellKey, Experiment
+from evaluation.row_lines import DamagedLine
+from evaluation.row_store import Rows
+from shading_model.errors import RelightlabError
+
+DONE, FAILED, SKIPPED = "done", "failed", "skipped"
+SHOWN_LINES, SHOWN_REASONS = 5, 20
+
+
+@dataclass(frozen=True, eq=False)
+class GridStatus:
+    """What a store holds of an experiment.
+
+    Parameters
+    ----------
+    rows : dict of rows
+        The last good row of each cell measured with the experiment's own inputs, by cell key.
+    missing : tuple of CellKey
+        Cells with no row, or whose last row failed, in grid order.
+    stale : int
+        Rows of this experiment that other inputs (data, parameters, code) gave; left out.
+    damaged : tuple of DamagedLine
+        Lines that cannot be read; their cells count as missing.
+    """
+
+    rows: dict[CellKey, dict[str, Any]]
+    missing: tuple[CellKey, ...]
+    stale: int
+    damaged: tuple[DamagedLine, ...]
+
+    @property
+    def failed(self) -> list[dict[str, Any]]:
+        """Rows of failed cells."""
+        return [row for row in self.rows.values() if row["status"] == FAILED]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every cell is done or skipped."""
+        return not self.missing
+
+    def sentence(self) -> str:
+        """Return "N done, M to run" and what else a user has to know."""
+        failed = len(self.failed)
+        lines = [line.number for line in self.damaged]
+        return _sentence(len(self.rows) - failed, len(self.missing), failed, self.stale, lines)
+
+
+def grid_status(experiment: Experiment, store: Rows) -> GridStatus:
+    """Return what a store holds of an experiment.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    store : Rows
+
+    Returns
+    -------
+    GridStatus
+
+    Raises
+    ------
+    RelightlabError
+        If the store holds rows of another version of the experiment's protocol.
+    """
+    latest: dict[CellKey, dict[str, Any]] = {}
+    damaged: list[DamagedLine] = []
+    stale = 0
+    for row, own in own_rows(experiment, store):
+        if isinstance(row, DamagedLine):
+            damaged.append(row)
+        elif own:
+            latest[experiment.key(row["cell"])] = row
+        else:
+            stale += 1
+    missing = tuple(
+        key
+        for key in map(experiment.key, experiment.cells())
+        if key not in latest or latest[key]["status"] == FAILED
+    )
+    return GridStatus(latest, missing, stale, tuple(damaged))
+
+
+@dataclass(frozen=True)
+class GridSummary:
+    """What a store holds of an experiment, in numbers.
+
+    Parameters
+    ----------
+    protocol : str
+    cells, done, skipped, failed, missing : int
+        Cells in all; done; skipped; failed; not measured.
+    stale : int
+        Rows of this experiment that other inputs (data, parameters, code) gave; left out.
+    damaged : tuple of int
+        Numbers of the lines that cannot be read.
+    reasons : dict of int
+        Why cells failed, the last line of each reason, with its number of cells; the commonest.
+    seconds : float
+        Work of all measured rows, stale ones too.
+    measured : int
+        The rows that `seconds` counts.
+    """
+
+    protocol: str
+    cells: int
+    done: int
+    skipped: int
+    failed: int
+    missing: int
+    stale: int
+    damaged: tuple[int, ...]
+    reasons: dict[str, int]
+    seconds: float
+    measured: int
+
+    @property
+    def to_run(self) -> int:
+        """Cells that the next run measures."""
+        return self.failed + self.missing
+
+    def sentence(self) -> str:
+        """Return "N done, M to run" and what else a user has to know."""
+        counts = self.done + self.skipped, self.to_run, self.failed, self.stale
+        return _sentence(*counts, list(self.damaged))
+
+    def document(self) -> dict[str, Any]:
+        """Return the summary as plain JSON values."""
+        return {**asdict(self), "to_run": self.to_run, "damaged": list(self.damaged)}
+
+
+def grid_summary(experiment: Experiment, store: Rows) -> GridSummary:
+    """Count what a store holds of an experiment, in one byte for each cell of the grid.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    store : Rows
+
+    Returns
+    -------
+    GridSummary
+
+    Raises
+    ------
+    RelightlabError
+        If the store holds rows of another version of the experiment's protocol.
+    """
+    states = bytearray(experiment.size)
+    reason_numbers: dict[str, int] = {}
+    failures: dict[int, int] = {}
+    damaged: list[int] = []
+    stale, seconds, measured = 0, 0.0, 0
+    rank = _ranking(experiment)
+    codes = {DONE: 1, SKIPPED: 2, FAILED: 3}
+    for row, own in own_rows(experiment, store):
+        if isinstance(row, DamagedLine):
+            damaged.append(row.number)
+            continue
+        if row["status"] == DONE:
+            seconds, measured = seconds + row["seconds"], measured + 1
+        if not own:
+            stale += 1
+            continue
+        place = rank(row["cell"])
+        states[place] = codes[row["status"]]
+        if row["status"] == FAILED:
+            why = last_line(row["reason"])
+            failures[place] = reason_numbers.setdefault(why, len(reason_numbers))
+    left = [number for place, number in failures.items() if states[place] == codes[FAILED]]
+    texts = list(reason_numbers)
+    return GridSummary(
+        protocol=experiment.protocol,
+        cells=experiment.size,
+        done=states.count(1),
+        skipped=states.count(2),
+        failed=states.count(3),
+        missing=states.count(0),
+        stale=stale,
+        damaged=tuple(damaged),
+        reasons={texts[n]: count for n, count in Counter(left).most_common(SHOWN_REASONS)},
+        seconds=round(seconds, 3),
+        measured=measured,
+    )
+
+
+def last_line(reason: str) -> str:
+    r"""Return the last line of a traceback, which names the fault.
+
+    Parameters
+    ----------
+    reason : str
+
+    Examples
+    --------
+    >>> last_line("Traceback ...\n  ...\nValueError: no light\n")
+    'ValueError: no light'
+    """
+    return (reason.strip().splitlines() or [""])[-1]
+
+
+def own_rows(
+    experiment: Experiment, store: Rows
+) -> Iterator[tuple[dict[str, Any] | DamagedLine, bool]]:
+    """Yield the rows of an experiment, and whether its own inputs gave them; and damaged lines.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    store : Rows
+
+    Yields
+    ------
+    row or DamagedLine, bool
+
+    Raises
+    ------
+    RelightlabError
+        If the store holds rows of another version of the experiment's protocol.
+    """
+    wanted = experiment.input_hash()
+    for row in store.stream():
+        if isinstance(row, DamagedLine):
+            yield row, False
+        elif row["experiment"] == experiment.name:
+            if row["version"] != experiment.version:
+                raise RelightlabError(
+                    f"the store holds results of protocol {experiment.name} {row['version']}, this"
+                    f" is version {experiment.version}: keep it and choose another folder for the"
+                    " new"
+                )
+            yield row, row["inputs"] == wanted
+
+
+def _ranking(experiment: Experiment) -> Callable[[Cell], int]:
+    """Return the function from a cell to its place in grid order."""
+    places = [
+        (axis, {value: place for place, value in enumerate(values)})
+        for axis, values in experiment.axes.items()
+    ]
+
+    def rank(cell: Cell) -> int:
+        number = 0
+        for axis, place in places:
+            number = number * len(place) + place[cell[axis]]
+        return number
+
+    return rank
+
+
+def _sentence(done: int, to_run: int, failed: int, stale: int, damaged: list[int]) -> str:
+    words = [f"{done} done, {to_run} to run"]
+    if failed:
+        words.append(f"{failed} of them failed before")
+    if stale:
+        words.append(f"{stale} rows of other data, parameters or code are left out")
+    if damaged:
+        lines = ", ".join(map(str, damaged[:SHOWN_LINES]))
+        words.append(f"{len(damaged)} damaged lines (line {lines}) are measured again")
+    return "; ".join(words)
