@@ -82,7 +82,7 @@ def synthesize(
         If a parameter is out of range, a name unknown, or the folder cannot be written to.
     """
     names = _checked_names(objects)
-    _check_numbers(size, seed, samples)
+    _check_numbers(size, seed, samples, workers)
     folder = Path(out_dir)
     manifest = parameters_of(size, seed, samples)
     # A manifest of an earlier set must not vouch for the files that are about to change.
@@ -265,11 +265,12 @@ def _checked_names(objects: Sequence[str] | None) -> tuple[str, ...]:
     return names
 
 
-def _check_numbers(size: int, seed: int, samples: int) -> None:
+def _check_numbers(size: int, seed: int, samples: int, workers: int | None) -> None:
     for what, value, least in (
         ("a picture size", size, SMALLEST_SIZE),
         ("a seed", seed, 0),
         ("samples per pixel", samples, 1),
+        ("a number of workers", 1 if workers is None else workers, 1),
     ):
         if value < least:
             raise RelightlabError(f"expected {what} of at least {least}, got {value}")

@@ -251,6 +251,7 @@ def test_unknown_names_are_refused(small_set: Synthetic, tmp_path: Path) -> None
         ({"size": 31}, "a picture size of at least 32, got 31"),
         ({"seed": -1}, "a seed of at least 0, got -1"),
         ({"samples": 0}, "samples per pixel of at least 1, got 0"),
+        ({"workers": 0}, "a number of workers of at least 1, got 0"),
     ],
 )
 def test_numbers_out_of_range_are_refused(
