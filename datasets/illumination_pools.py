@@ -83,6 +83,27 @@ def natural_lights(root: str | os.PathLike[str] | None) -> tuple[LogHarmonics, .
     return tuple(from_mit_axes(stored[:, :, index]) for index in range(stored.shape[2]))
 
 
+def pool_name(root: str | os.PathLike[str] | None) -> str:
+    """Return in words which pool `natural_lights` takes for a data root.
+
+    Parameters
+    ----------
+    root : path or None
+
+    Examples
+    --------
+    >>> pool_name(None)
+    'the 90 shipped lights'
+    """
+    count = len(natural_lights(root))
+    measured = root is not None and (Path(root) / MEASURED_FILE).exists()
+    return (
+        f"the {count} measured lights of boundary-cues"
+        if measured
+        else f"the {count} shipped lights"
+    )
+
+
 def table1_lights(
     root: str | os.PathLike[str] | None,
     count: int = TABLE1_COUNT,

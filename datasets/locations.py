@@ -61,6 +61,32 @@ def find_data_root(explicit: Path | None = None, *, cache: Path | None = None) -
     return next((place for place in usual_places(cache=cache) if present_sets(place)), None)
 
 
+def find_root_of(
+    name: str, explicit: Path | None = None, *, cache: Path | None = None
+) -> Path | None:
+    """Return the first data root that holds one set, None if there is none.
+
+    A root given by ``--data`` is the only one looked into; otherwise the places are those of
+    `find_data_root`, and one that holds other sets only is passed over.
+
+    Parameters
+    ----------
+    name : str
+        A set: the name of its folder.
+    explicit : Path, optional
+        What ``--data`` gives.
+    cache : Path, optional
+        The user cache; `user_cache()` by default.
+
+    Examples
+    --------
+    >>> find_root_of("mit-berkeley", Path("no such folder")) is None
+    True
+    """
+    places = _places(explicit, cache)
+    return next((place for place in places if name in present_sets(place)), None)
+
+
 def usual_places(*, cache: Path | None = None) -> tuple[Path, ...]:
     """Return where data is looked for when nobody says where, in order.
 
@@ -91,19 +117,35 @@ def download_root(explicit: Path | None = None, *, cache: Path | None = None) ->
     return explicit or (Path(named) if named else None) or cache or user_cache()
 
 
-def missing_data_sentence(name: str, *, cache: Path | None = None) -> str:
+def missing_data_sentence(
+    name: str, explicit: Path | None = None, *, cache: Path | None = None
+) -> str:
     """Return one sentence that says a set was not found, where it was looked for and what to do.
+
+    Parameters
+    ----------
+    name : str
+    explicit : Path, optional
+        What ``--data`` gives.
+    cache : Path, optional
 
     Examples
     --------
     >>> print(missing_data_sentence("mit-berkeley", cache=Path("cache")))
     mit-berkeley was not found in cache, ...: give its data root with --data or RELIGHTLAB_DATA...
     """
-    places = ", ".join(str(place) for place in usual_places(cache=cache))
+    places = ", ".join(str(place) for place in _places(explicit, cache))
     return (
         f"{name} was not found in {places}: give its data root with --data or"
         f" {ENVIRONMENT_VARIABLE}, or run 'relightlab data fetch {name}'"
     )
+
+
+def _places(explicit: Path | None, cache: Path | None) -> list[Path]:
+    if explicit is not None:
+        return [explicit]
+    named = os.environ.get(ENVIRONMENT_VARIABLE)
+    return [*([Path(named)] if named else []), *usual_places(cache=cache)]
 
 
 def _checked(root: Path, given_by: str) -> Path:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from datasets.illumination_pools import TABLE1_SEED, table1_lights
-from datasets.locations import find_data_root, missing_data_sentence
+from datasets.illumination_pools import TABLE1_SEED, pool_name, table1_lights
+from datasets.locations import find_data_root, find_root_of, missing_data_sentence
 from datasets.mit_berkeley import MitBerkeley
 from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset
@@ -39,12 +39,15 @@ class Table1Source:
     ----------
     dataset : Dataset
     lights : tuple of LogHarmonics
+    pool : str
+        In words, what the lights were drawn from.
     notice : str
         One sentence to be shown: where the data were found, or that they were not.
     """
 
     dataset: Dataset
     lights: tuple[LogHarmonics, ...]
+    pool: str
     notice: str
 
 
@@ -98,21 +101,22 @@ def open_source(
         raise unknown_name("dataset", dataset, DATASETS)
     if data is not None and dataset != "mit-berkeley" and (data / MANIFEST).is_file():
         made = Synthetic(data)
-        return Table1Source(made, table1_lights(None), f"synthetic set found in {data}")
-    root = find_data_root(data)
-    lights = table1_lights(root)
-    if dataset != "synthetic" and root is not None and (root / "mit-berkeley").is_dir():
+        pool = pool_name(None)
+        return Table1Source(made, table1_lights(None), pool, f"synthetic set found in {data}")
+    find_data_root(data)  # tells if the root that was named is none
+    lights_root = find_root_of("boundary-cues", data)
+    lights, pool = table1_lights(lights_root), pool_name(lights_root)
+    root = find_root_of("mit-berkeley", data)
+    if dataset != "synthetic" and root is not None:
         found = MitBerkeley(root / "mit-berkeley")
-        return Table1Source(found, lights, f"MIT-Berkeley found in {found.root}")
-    missing = missing_data_sentence("mit-berkeley")
-    if root is not None:
-        missing = missing.replace("was not found in", f"was not found in {root},", 1)
+        return Table1Source(found, lights, pool, f"MIT-Berkeley found in {found.root}")
+    missing = missing_data_sentence("mit-berkeley", data)
     if dataset == "mit-berkeley":
         raise RelightlabError(missing)
     folder = _synthetic_folder(size, workers)
     notice = f"synthetic set in {folder}"
     return Table1Source(
-        Synthetic(folder), lights, notice if dataset else f"{missing}; now the {notice}"
+        Synthetic(folder), lights, pool, notice if dataset else f"{missing}; now the {notice}"
     )
 
 
@@ -177,7 +181,7 @@ def _document(table: Table1, source: Table1Source, seconds: float, workers: int)
         protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",
         dataset=source.dataset.name,
         data_hash=source.dataset.fingerprint(),
-        seeds={"lights": TABLE1_SEED},
+        seeds={"lights": f"{TABLE1_SEED}, drawn from {source.pool}"},
         seconds=seconds,
         workers=workers,
         cells_done=expected - missing,

@@ -7,7 +7,13 @@ from pathlib import Path
 import pytest
 
 from datasets import locations
-from datasets.locations import download_root, find_data_root, missing_data_sentence, usual_places
+from datasets.locations import (
+    download_root,
+    find_data_root,
+    find_root_of,
+    missing_data_sentence,
+    usual_places,
+)
 from shading_model.errors import RelightlabError
 
 
@@ -47,6 +53,23 @@ def test_order_of_the_search(
     assert find_data_root() == named
     explicit = _root(tmp_path / "explicit")
     assert find_data_root(explicit) == explicit
+
+
+def test_each_set_is_found_in_its_own_root(
+    tmp_path: Path, elsewhere: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A place that holds other sets only does not hide one; a root given by --data is the only."""
+    beside = _root(elsewhere.parent / "shared" / "data", "boundary-cues")
+    cache = _root(tmp_path / "cache" / "relightlab")
+    assert find_root_of("mit-berkeley") == cache
+    assert find_root_of("boundary-cues") == beside
+    named = _root(tmp_path / "named", "hdri")
+    monkeypatch.setenv("RELIGHTLAB_DATA", str(named))
+    assert find_root_of("mit-berkeley") == cache
+    assert find_root_of("hdri") == named
+    assert find_root_of("boundary-cues", cache) is None
+    assert str(named) in missing_data_sentence("psm-uw")
+    assert str(named) not in missing_data_sentence("psm-uw", cache)
 
 
 def test_given_cache(tmp_path: Path) -> None:
