@@ -49,6 +49,8 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(final)
     except OSError as error:
+        if error.filename not in {None, str(temporary)}:
+            raise  # another file's trouble, which the block met while it made the content
         raise RelightlabError(
             f"cannot write {final}: {error.strerror or error}; choose another output"
         ) from error

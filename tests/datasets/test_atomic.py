@@ -140,3 +140,13 @@ def test_a_full_disk_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(RelightlabError, match=r"a\.txt: No space left on device"):
         write_and_fail(tmp_path / "a.txt", OSError(28, "No space left on device"))
     assert visible(tmp_path) == []
+
+
+def test_trouble_with_another_file_keeps_its_name(tmp_path: Path) -> None:
+    """A file that the block could not read is told by its own name, and nothing is written."""
+    with (
+        pytest.raises(FileNotFoundError, match="template"),
+        atomic_path(tmp_path / "page.html"),
+    ):
+        (tmp_path / "template").read_text()
+    assert list(tmp_path.iterdir()) == []
