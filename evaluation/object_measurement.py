@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from datasets.records import Capture, Dataset
 from evaluation.intrinsic_metrics import intrinsic_error
+from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.rerendering import RerenderingCell, rerendering_cells
 from evaluation.retinex_thresholds import thresholds_for
 from shading_model.errors import RelightlabError
@@ -19,8 +20,6 @@ from shading_model.object_model import (
     CoarseShape,
     ModelParameters,
     ObjectModel,
-    assemble_model,
-    contour_base,
     split_by_shading,
 )
 from shading_model.retinex import IntrinsicImages, retinex
@@ -60,6 +59,7 @@ def measure_object(
     lights: Sequence[LogHarmonics],
     parameters: ModelParameters,
     channels: str = "gray",
+    parts: ModelParts = PAPER_PARTS,
 ) -> ObjectResult:
     """Build an object's models in one setting and relight them under every light.
 
@@ -70,6 +70,8 @@ def measure_object(
     lights : sequence of LogHarmonics
     parameters : ModelParameters
     channels : {"gray", "color"}
+    parts : ModelParts
+        Base shape and detail layer of one's own, where given.
 
     Returns
     -------
@@ -78,12 +80,12 @@ def measure_object(
     with threadpool_limits(limits=1):
         capture = dataset.load(name, setting)
         photograph, truth = capture.photograph, capture.truth
-        shape = contour_base(photograph.mask, parameters)
+        shape = parts.base(photograph.mask, photograph.image, parameters)
         thresholds = thresholds_for(dataset.name, setting, name) or parameters.thresholds
-        parts = retinex(photograph.image, photograph.mask, thresholds)
+        split = retinex(photograph.image, photograph.mask, thresholds)
         models = {
-            "default": assemble_model(photograph.mask, shape, parts, parameters),
-            "gt-shading": assemble_model(photograph.mask, shape, true_parts(capture), parameters),
+            source: parts.assemble(photograph.mask, shape, images, parameters)
+            for source, images in (("default", split), ("gt-shading", true_parts(capture)))
         }
         models["flat"] = _flattened(models["default"])
         cells = {
@@ -94,9 +96,9 @@ def measure_object(
             name,
             setting,
             cells,
-            _retinex_error(parts, capture),
+            _retinex_error(split, capture),
             _point_light_residual(models["default"]),
-            fit_harmonics(parts.shading, shape.normals).root_mean_square,
+            fit_harmonics(split.shading, shape.normals).root_mean_square,
         )
 
 

@@ -117,7 +117,7 @@ def rerendering_cells(
         If normals or albedo are not known anywhere on the mask, sizes differ, or a light is
         coloured.
     """
-    inside = _compared_pixels(model, truth)
+    inside = _compared_pixels(model.mask, truth)
     ours, true = (_channels(a, inside, channels) for a in (model.albedo, truth.albedo))
     coefficients = monochrome_coefficients(lights)
     targets = np.exp(harmonics(_known(truth.normals)[inside]) @ coefficients)
@@ -138,6 +138,48 @@ def rerendering_cells(
             )
         )
     return tuple(cells)
+
+
+def image_cell(
+    image: Image, mask: Mask, truth: GroundTruth, light: LogHarmonics, channels: str = "gray"
+) -> RerenderingCell:
+    """Return the cell of a finished relit image, compared as a model's is; it has no layers.
+
+    Parameters
+    ----------
+    image : (h, w, 3) array
+        Linear, at any scale.
+    mask : (h, w) bool array
+    truth : GroundTruth
+    light : LogHarmonics
+        Of one colour.
+    channels : {"gray", "color"}
+
+    Returns
+    -------
+    RerenderingCell
+        Its error at weights (0, 0) is that of the image.
+
+    Raises
+    ------
+    RelightlabError
+        If the image has another size than the mask or is not finite where it is compared, or as
+        `rerendering_cells`.
+    """
+    if np.shape(image) != (*mask.shape, 3):
+        raise RelightlabError(
+            f"relight returned shape {np.shape(image)}, expected {(*mask.shape, 3)}"
+        )
+    inside = _compared_pixels(mask, truth)
+    monochrome_coefficients([light])
+    given = _channels(np.asarray(image, dtype=np.float64), inside, channels)
+    if not np.isfinite(given).all():
+        count = int((~np.isfinite(given)).any(axis=-1).sum())
+        raise RelightlabError(f"relight returned {count} pixels in the mask that are not finite")
+    target = _channels(target_image(truth, light), inside, channels)
+    gram, cross = np.zeros((3, 3)), np.zeros(3)
+    gram[0, 0], cross[0] = np.mean(given**2), np.mean(given * target)
+    return RerenderingCell(gram, cross, float(np.mean(target**2)))
 
 
 def target_image(truth: GroundTruth, light: LogHarmonics) -> Image:
@@ -161,13 +203,13 @@ def target_image(truth: GroundTruth, light: LogHarmonics) -> Image:
     return _known(truth.albedo) * (shading if shading.ndim == 3 else shading[..., None])
 
 
-def _compared_pixels(model: ObjectModel, truth: GroundTruth) -> Mask:
+def _compared_pixels(mask: Mask, truth: GroundTruth) -> Mask:
     normals, albedo = _known(truth.normals), _known(truth.albedo)
-    if normals.shape[:2] != model.mask.shape:
+    if normals.shape[:2] != mask.shape:
         raise RelightlabError(
-            f"the model is of shape {model.mask.shape} but its truth of {normals.shape[:2]}"
+            f"the model is of shape {mask.shape} but its truth of {normals.shape[:2]}"
         )
-    inside: Mask = model.mask & np.isfinite(normals).all(axis=-1) & np.isfinite(albedo).all(axis=-1)
+    inside: Mask = mask & np.isfinite(normals).all(axis=-1) & np.isfinite(albedo).all(axis=-1)
     if not inside.any():
         raise RelightlabError("the true normals and albedo are known nowhere on the mask")
     return inside

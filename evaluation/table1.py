@@ -39,8 +39,8 @@ Error
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -48,6 +48,7 @@ from datasets.records import Dataset
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions, run_grid
 from evaluation.grid_status import GridStatus
+from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult
 from evaluation.rerendering import monochrome_coefficients
 from evaluation.row_store import MemoryRows, Rows
@@ -59,7 +60,7 @@ from evaluation.table1_grid import (
     object_results,
     table1_experiment,
 )
-from evaluation.weight_rules import MANUAL, WEIGHT_RULES, CellGrid
+from evaluation.weight_rules import MANUAL, WEIGHT_RULES, CellGrid, WeightRule, checked_weights
 from shading_model.arrays import Float
 from shading_model.errors import unknown_name
 from shading_model.illumination import LogHarmonics
@@ -100,6 +101,10 @@ class Table1:
     manual : Weights
     missing : tuple of MissingCell
         Cells of the grid without a result; means are over the others.
+    method : str
+        What the rows call it: ``ours``, and the parts of one's own.
+    rules : dict of WeightRule
+        Those of Table 1, and those of one's own.
     """
 
     dataset: str
@@ -109,6 +114,8 @@ class Table1:
     results: tuple[ObjectResult, ...]
     manual: Weights = MANUAL
     missing: tuple[MissingCell, ...] = ()
+    method: str = "ours"
+    rules: Mapping[str, WeightRule] = field(default_factory=lambda: dict(WEIGHT_RULES))
 
     def rows(self) -> list[dict[str, str | float | int]]:
         """Return one row per table entry, in the order of the published table."""
@@ -184,12 +191,12 @@ class Table1:
             tuple(result.cells[source] for result in chosen), self.coefficients, self.manual
         )
         reported = [result.name in self.objects for result in chosen]
-        return grid.errors(WEIGHT_RULES[rule](grid))[reported]
+        return grid.errors(checked_weights(grid, rule, self.rules[rule]))[reported]
 
     def _entries(self, sources: Iterable[str]) -> Iterator[tuple[str, str, str, Float]]:
         for setting in self.settings():
             for source in sources:
-                for rule in WEIGHT_RULES:
+                for rule in self.rules:
                     yield setting, source, rule, self.errors(setting, source, rule)
 
     def _power(self, setting: str, name: str | None = None) -> float:
@@ -209,7 +216,7 @@ class Table1:
         return {
             "dataset": self.dataset,
             "setting": setting,
-            "method": "ours",
+            "method": self.method,
             "detail_source": source,
             "weights": rule,
             "imse": imse,
@@ -233,6 +240,8 @@ def run_table1(
     channels: str = "gray",
     manual: Weights = MANUAL,
     seed: str = "",
+    parts: ModelParts = PAPER_PARTS,
+    rules: Mapping[str, WeightRule] = WEIGHT_RULES,
     store: Rows | None = None,
     options: RunOptions = DEFAULT_OPTIONS,
     progress: Progress | None = None,
@@ -255,6 +264,10 @@ def run_table1(
     manual : Weights
     seed : str
         Name that the lights were drawn by.
+    parts : ModelParts
+        Base shape and detail layer of one's own.
+    rules : mapping of str to WeightRule
+        The weight rules reported.
     store : Rows, optional
         Cells it holds are not measured again; without one, rows are kept in memory.
     options : RunOptions
@@ -276,13 +289,21 @@ def run_table1(
             raise unknown_name("object", name, dataset.objects)
     coefficients = monochrome_coefficients(lights).T
     experiment = table1_experiment(
-        Table1Context(dataset, tuple(lights), parameters, channels), seed
+        Table1Context(dataset, tuple(lights), parameters, channels, parts), seed
     )
     status = run_grid(experiment, store or MemoryRows(), options, progress)
     chosen = tuple(name for name in dataset.objects if not objects or name in objects)
     results = object_results(experiment, status)
     return Table1(
-        dataset.name, chosen, channels, coefficients, results, manual, _missing(experiment, status)
+        dataset.name,
+        chosen,
+        channels,
+        coefficients,
+        results,
+        manual,
+        _missing(experiment, status),
+        parts.method,
+        rules,
     )
 
 

@@ -19,6 +19,7 @@ from datasets.records import Dataset
 from evaluation.code_version import code_hash
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_status import GridStatus
+from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult, measure_object
 from evaluation.rerendering import RerenderingCell
 from evaluation.retinex_thresholds import shipped_table
@@ -42,6 +43,7 @@ class Table1Context:
     lights: tuple[LogHarmonics, ...]
     parameters: ModelParameters
     channels: str
+    parts: ModelParts = PAPER_PARTS
 
 
 def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
@@ -57,9 +59,9 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
     -------
     Experiment
     """
-    dataset = context.dataset
+    dataset, parts = context.dataset, context.parts
     return Experiment(
-        name=NAME,
+        name=NAME if parts == PAPER_PARTS else f"{NAME} {parts.method}",
         version=VERSION,
         axes={
             "setting": dataset.settings,
@@ -71,15 +73,36 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
         measure=measure_cells,
         context=context,
         inputs={
-            "dataset": dataset.name,
-            "data": dataset.fingerprint(),
-            "lights": _hash(*(light.coefficients for light in context.lights)),
+            **shared_inputs(dataset, context.lights, context.channels),
             "parameters": _parameters_hash(context.parameters),
-            "channels": context.channels,
-            "code": code_hash(),
+            **({} if parts == PAPER_PARTS else {"parts": parts.identity}),
         },
         seed=seed,
     )
+
+
+def shared_inputs(
+    dataset: Dataset, lights: Sequence[LogHarmonics], channels: str
+) -> dict[str, str]:
+    """Return the inputs that every row of Table 1 depends on, whatever the method.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    lights : sequence of LogHarmonics
+    channels : str
+
+    Returns
+    -------
+    dict of str
+    """
+    return {
+        "dataset": dataset.name,
+        "data": dataset.fingerprint(),
+        "lights": _hash(*(light.coefficients for light in lights)),
+        "channels": channels,
+        "code": code_hash(),
+    }
 
 
 def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tuple[Cell, Values]]:
@@ -102,6 +125,7 @@ def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tup
         context.lights,
         context.parameters,
         context.channels,
+        context.parts,
     )
     shared = {name: getattr(result, name) for name in _OBJECT_VALUES}
     known = {name: value for name, value in shared.items() if np.isfinite(value)}

@@ -10,6 +10,7 @@ import numpy as np
 
 from evaluation.rerendering import RerenderingCell
 from shading_model.arrays import Float
+from shading_model.errors import RelightlabError
 from shading_model.object_model import Weights
 
 NEIGHBOURS = 100
@@ -114,6 +115,36 @@ def _affine_at_zero(offset: Float, values: Float) -> Float:
     slope = np.linalg.lstsq(offset - centre, values - values.mean(axis=0), rcond=1e-8)[0]
     result: Float = values.mean(axis=0) - centre @ slope
     return result
+
+
+def checked_weights(grid: CellGrid, name: str, rule: WeightRule) -> Float:
+    """Return the weights a rule chooses, if they are weights of the grid's cells.
+
+    Parameters
+    ----------
+    grid : CellGrid
+    name : str
+        Of the rule.
+    rule : WeightRule
+
+    Returns
+    -------
+    (objects, lights, 2) array
+        NaN where the rule has no answer.
+
+    Raises
+    ------
+    RelightlabError
+        If they are of another shape.
+    """
+    weights = np.asarray(rule(grid), dtype=np.float64)
+    expected = (len(grid.cells), len(grid.coefficients), 2)
+    if weights.shape != expected:
+        raise RelightlabError(
+            f"the weight rule {name!r} returned shape {weights.shape},"
+            f" expected (objects, lights, 2) = {expected}"
+        )
+    return weights
 
 
 WEIGHT_RULES: dict[str, WeightRule] = {
