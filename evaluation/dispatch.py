@@ -1,24 +1,36 @@
 """One dispatcher for this process, worker processes, and a Dask cluster.
 
-Every way yields results as they finish and one BLAS thread per worker; which way a task took
-leaves no trace in its result.
+Every way yields results as they finish and keeps one BLAS thread per worker; which way a task took
+leaves no trace in its result. What all tasks share is sent to a worker once, not with each task.
 """
 
 from __future__ import annotations
 
+import pickle
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from joblib import Parallel, delayed, parallel_config
-from joblib.externals.loky.process_executor import TerminatedWorkerError
+from joblib.externals.loky.process_executor import ProcessPoolExecutor
 from threadpoolctl import threadpool_limits
 
 from datasets.worker_processes import leave_interrupts_to_the_parent
+from evaluation.code_version import code_hash
+from evaluation.task_process import ONE_THREAD, run_in_own_process
 from shading_model.errors import RelightlabError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 CONNECTION_SECONDS = 10
+CHANGED_CODE = (
+    "the code of relightlab has changed since the run began, and would give numbers that belong to"
+    " no version: what was measured is kept, start the run again"
+)
+_shared: list[Callable[[Any], Any]] = []
+"""In a worker process, the work it does."""
 
 
 def dispatch(
@@ -44,13 +56,14 @@ def dispatch(
     Yields
     ------
     item, result
-        The result is None for an item whose worker process died twice, once beside other items
-        and once alone.
+        The result is None for an item whose worker process died twice, the second time while it
+        did nothing else.
 
     Raises
     ------
     RelightlabError
-        If there is no worker, or the scheduler cannot be reached.
+        If there is no worker, the work cannot be sent to one, the scheduler cannot be reached or
+        stops, or a worker of the cluster cannot do the work.
     """
     if workers < 1:
         raise RelightlabError(f"expected at least one worker, got {workers}")
@@ -60,7 +73,7 @@ def dispatch(
         for item in items:
             yield item, _on_one_thread(work, item)
     else:
-        yield from _in_processes(work, items, workers)
+        yield from _in_processes(_pickled(work), items, workers)
 
 
 def _on_one_thread(work: Callable[[Item], Result], item: Item) -> Result:
@@ -68,55 +81,141 @@ def _on_one_thread(work: Callable[[Item], Result], item: Item) -> Result:
         return work(item)
 
 
-def _in_processes(
-    work: Callable[[Item], Result], items: Sequence[Item], workers: int
-) -> Iterator[tuple[Item, Result | None]]:
-    """Run in worker processes; items in flight when one dies are tried again, one at a time."""
-    left = dict(enumerate(items))
+def _pickled(work: Callable[[Item], Result]) -> bytes:
     try:
-        for number, result in _pool(work, left, workers):
-            yield left.pop(number), result
-    except TerminatedWorkerError:
-        for number, item in list(left.items()):
-            try:
-                ((_, result),) = _pool(work, {number: item}, 1)
-            except TerminatedWorkerError:
-                yield item, None
-            else:
-                yield item, result
+        return pickle.dumps(work)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise RelightlabError(
+            f"what the cells are measured with cannot be sent to another process ({error}):"
+            " define it in a module, or use --workers 1"
+        ) from error
 
 
-def _pool(
-    work: Callable[[Item], Result], items: dict[int, Item], workers: int
-) -> Iterator[tuple[int, Result]]:
-    jobs = (delayed(_numbered)(work, number, item) for number, item in list(items.items()))
-    with parallel_config(backend="loky", initializer=leave_interrupts_to_the_parent):
-        # Two jobs, never one, or joblib would work in this process.
-        parallel = Parallel(
-            n_jobs=max(workers, 2), return_as="generator_unordered", pre_dispatch=workers
-        )
-        yield from parallel(jobs)
+def _in_processes(
+    work: bytes, items: Sequence[Item], workers: int
+) -> Iterator[tuple[Item, Any | None]]:
+    """Run in worker processes; whatever was in flight when one died is tried again, alone."""
+    left = deque(items)
+    while left:
+        in_flight: dict[Future[Any], Item] = {}
+        try:
+            with _pool(work, workers) as pool:
+                yield from _until_done(pool, left, in_flight, workers)
+        except BrokenProcessPool:
+            for item in in_flight.values():
+                yield item, _alone(work, item)
 
 
-def _numbered(work: Callable[[Item], Result], number: int, item: Item) -> tuple[int, Result]:
-    return number, _on_one_thread(work, item)
+def _until_done(
+    pool: Any, left: deque[Item], in_flight: dict[Future[Any], Item], workers: int
+) -> Iterator[tuple[Item, Any]]:
+    while left or in_flight:
+        # One more than can run, so that a worker need not wait for this process.
+        while left and len(in_flight) <= workers:
+            in_flight[pool.submit(_do_shared_work, left[0])] = left[0]
+            left.popleft()
+        finished, _ = wait(in_flight, return_when=FIRST_COMPLETED)
+        for future in finished:
+            result = future.result()
+            yield in_flight.pop(future), result
+
+
+def _alone(work: bytes, item: Item) -> Any | None:
+    try:
+        with _pool(work, 1) as pool:
+            return pool.submit(_do_shared_work, item).result()
+    except BrokenProcessPool:
+        return None
+
+
+@contextmanager
+def _pool(work: bytes, workers: int) -> Iterator[Any]:
+    pool = ProcessPoolExecutor(
+        workers, initializer=_share, initargs=(work, code_hash()), env=dict(ONE_THREAD)
+    )
+    unfinished = True
+    try:
+        yield pool
+        unfinished = False
+    finally:
+        # After Ctrl-C nobody waits for the tasks that are running.
+        pool.shutdown(wait=True, kill_workers=unfinished)
+
+
+def _share(work: bytes, code: str) -> None:
+    leave_interrupts_to_the_parent()
+    # Told to whoever asks for the first item: what fails here could say nothing.
+    _shared[:] = [pickle.loads(work) if code == code_hash() else _other_code]  # noqa: S301  our own
+
+
+def _do_shared_work(item: Any) -> Any:
+    return _on_one_thread(_shared[0], item)
+
+
+def _other_code(_item: Any) -> None:
+    raise RelightlabError(CHANGED_CODE)
 
 
 def _on_cluster(
     work: Callable[[Item], Result], items: Sequence[Item], scheduler: str
-) -> Iterator[tuple[Item, Result | None]]:
-    import distributed  # noqa: PLC0415
+) -> Iterator[tuple[Item, Any | None]]:
+    """Run on Dask, which repeats the tasks of a worker it loses; suspects are tried again alone."""
+    with _client(scheduler) as client:
+        # A task of its own rather than scattered data, which would be lost with its worker.
+        shared = client.submit(bytes, _pickled(work), pure=False)
+        suspects: list[Item] = []
+        for item, result, lost in _as_completed(client, shared, items, scheduler):
+            if lost:
+                suspects.append(item)
+            else:
+                yield item, result
+        for suspect in suspects:
+            for item, result, _ in _as_completed(client, shared, [suspect], scheduler):
+                yield item, result
 
-    cluster: Any = distributed  # it has no types
+
+@contextmanager
+def _client(scheduler: str) -> Iterator[Any]:
     try:
-        client = cluster.Client(scheduler, timeout=CONNECTION_SECONDS)
-    except OSError as error:
+        import distributed  # noqa: PLC0415
+    except ImportError as error:
+        raise RelightlabError(
+            "--scheduler needs Dask: install the extra 'cluster' of relightlab"
+        ) from error
+    library: Any = distributed  # it has no types
+    try:
+        client = library.Client(scheduler, timeout=CONNECTION_SECONDS, set_as_default=False)
+    except (OSError, ValueError) as error:
         raise RelightlabError(
             f"no Dask scheduler answers at {scheduler}: start one, or leave --scheduler out"
         ) from error
     with client:
-        futures = {client.submit(_on_one_thread, work, item, pure=False): item for item in items}
-        for future in cluster.as_completed(futures):
-            broken = future.exception() is not None
-            yield futures[future], None if broken else future.result()
-            future.release()
+        yield client
+
+
+def _as_completed(
+    client: Any, shared: Any, items: Sequence[Item], scheduler: str
+) -> Iterator[tuple[Item, Any, bool]]:
+    """Yield items with their results, and whether the workers that tried it were lost."""
+    import distributed  # noqa: PLC0415
+
+    library: Any = distributed  # it has no types
+    futures = {
+        client.submit(run_in_own_process, shared, code_hash(), pickle.dumps(item), pure=False): item
+        for item in items
+    }
+    for future in library.as_completed(futures, loop=client.loop):
+        error = None if future.status == "finished" else _fault(future)
+        if error is not None and not isinstance(error, library.KilledWorker):
+            raise RelightlabError(
+                f"the run on the Dask cluster at {scheduler} stopped ({error}): what was measured"
+                " is kept; every worker needs this version of relightlab and its data"
+            ) from error
+        yield futures.pop(future), None if error else future.result(), error is not None
+
+
+def _fault(future: Any) -> BaseException:
+    if future.status == "error":
+        fault: BaseException = future.exception()
+        return fault
+    return RuntimeError("the scheduler went away")

@@ -1,0 +1,78 @@
+"""Work for worker processes: what is sent there must lie in a module."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_info
+
+from evaluation.task_process import ONE_THREAD
+
+
+@dataclass(frozen=True)
+class MarkingWork:
+    """Squares numbers; leaves a file with its process number for each attempt.
+
+    Parameters
+    ----------
+    folder : Path
+    killing : int
+        The number that kills the process that squares it.
+    times : int
+        How often it does.
+    seconds : float
+        Each takes at least this long.
+    hanging : int
+        The number that takes a minute.
+    """
+
+    folder: Path
+    killing: int = -1
+    times: int = 0
+    seconds: float = 0.0
+    hanging: int = -1
+
+    def __call__(self, number: int) -> int:
+        """Return the square, unless it is the one that kills."""
+        (self.folder / f"{number}-{os.getpid()}-{time.monotonic_ns()}").touch()
+        time.sleep(60 if number == self.hanging else self.seconds)
+        if number == self.killing and self.attempts(number) <= self.times:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return number * number
+
+    def attempts(self, number: int) -> int:
+        """Return how often a number was begun."""
+        return len(list(self.folder.glob(f"{number}-*")))
+
+    def processes(self) -> set[int]:
+        """Return the numbers of the processes that worked."""
+        return {int(path.name.split("-")[1]) for path in self.folder.iterdir()}
+
+
+def threads_here(_item: int) -> tuple[list[int], dict[str, str | None]]:
+    """Return the threads of every numerical library of this process, and its environment."""
+    np.linalg.inv(np.eye(2))
+    return [pool["num_threads"] for pool in threadpool_info()], {
+        name: os.environ.get(name) for name in ONE_THREAD
+    }
+
+
+def process_here(_item: int) -> int:
+    """Return the number of the process."""
+    return os.getpid()
+
+
+def printed(item: int) -> int:
+    """Print, as the code of a user might, and return the item."""
+    print("words on standard output", flush=True)  # noqa: T201
+    return item
+
+
+def broken(_item: int) -> int:
+    """Fail, as work must not."""
+    raise ZeroDivisionError("work returns its faults")
