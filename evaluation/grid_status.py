@@ -1,11 +1,12 @@
 """What a store holds of an experiment: which cells are done, failed, or still to run.
 
 Rows count for an experiment only if their input hash is its own. `grid_status` keeps the rows, for
-a table; `grid_summary` counts them in one byte for each cell, however many rows there are.
+a table; `grid_summary` counts them with one byte for each cell, however many rows there are.
 """
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -17,6 +18,9 @@ from evaluation.row_store import Rows
 from shading_model.errors import RelightlabError
 
 DONE, FAILED, SKIPPED = "done", "failed", "skipped"
+STATES = {DONE: 1, SKIPPED: 2, FAILED: 3}
+CLOSED = (STATES[DONE], STATES[SKIPPED])
+"""States of cells that no run measures again unless it is told to."""
 SHOWN_LINES, SHOWN_REASONS = 5, 20
 
 
@@ -142,7 +146,7 @@ class GridSummary:
 
 
 def grid_summary(experiment: Experiment, store: Rows) -> GridSummary:
-    """Count what a store holds of an experiment, in one byte for each cell of the grid.
+    """Count what a store holds of an experiment.
 
     Parameters
     ----------
@@ -158,13 +162,33 @@ def grid_summary(experiment: Experiment, store: Rows) -> GridSummary:
     RelightlabError
         If the store holds rows of another version of the experiment's protocol.
     """
+    return cell_states(experiment, store)[1]
+
+
+def cell_states(experiment: Experiment, store: Rows) -> tuple[bytearray, GridSummary]:
+    """Return the state of every cell, one byte each, and their counts; rows are not kept.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    store : Rows
+
+    Returns
+    -------
+    bytearray
+        By `cell_place`: 0 for a cell without a row, else that of its last row in `STATES`.
+    GridSummary
+
+    Raises
+    ------
+    RelightlabError
+        If the store holds rows of another version of the experiment's protocol.
+    """
     states = bytearray(experiment.size)
-    reason_numbers: dict[str, int] = {}
-    failures: dict[int, int] = {}
+    reasons: dict[int, str] = {}
     damaged: list[int] = []
     stale, seconds, measured = 0, 0.0, 0
-    rank = _ranking(experiment)
-    codes = {DONE: 1, SKIPPED: 2, FAILED: 3}
+    place = cell_place(experiment)
     for row, own in own_rows(experiment, store):
         if isinstance(row, DamagedLine):
             damaged.append(row.number)
@@ -174,26 +198,25 @@ def grid_summary(experiment: Experiment, store: Rows) -> GridSummary:
         if not own:
             stale += 1
             continue
-        place = rank(row["cell"])
-        states[place] = codes[row["status"]]
+        number = place(row["cell"])
+        states[number] = STATES[row["status"]]
         if row["status"] == FAILED:
-            why = last_line(row["reason"])
-            failures[place] = reason_numbers.setdefault(why, len(reason_numbers))
-    left = [number for place, number in failures.items() if states[place] == codes[FAILED]]
-    texts = list(reason_numbers)
-    return GridSummary(
+            reasons[number] = sys.intern(last_line(row["reason"]))
+    left = Counter(why for cell, why in reasons.items() if states[cell] == STATES[FAILED])
+    summary = GridSummary(
         protocol=experiment.protocol,
         cells=experiment.size,
-        done=states.count(1),
-        skipped=states.count(2),
-        failed=states.count(3),
+        done=states.count(STATES[DONE]),
+        skipped=states.count(STATES[SKIPPED]),
+        failed=states.count(STATES[FAILED]),
         missing=states.count(0),
         stale=stale,
         damaged=tuple(damaged),
-        reasons={texts[n]: count for n, count in Counter(left).most_common(SHOWN_REASONS)},
+        reasons=dict(left.most_common(SHOWN_REASONS)),
         seconds=round(seconds, 3),
         measured=measured,
     )
+    return states, summary
 
 
 def last_line(reason: str) -> str:
@@ -244,8 +267,17 @@ def own_rows(
             yield row, row["inputs"] == wanted
 
 
-def _ranking(experiment: Experiment) -> Callable[[Cell], int]:
-    """Return the function from a cell to its place in grid order."""
+def cell_place(experiment: Experiment) -> Callable[[Cell], int]:
+    """Return the function from a cell to its place in grid order.
+
+    Parameters
+    ----------
+    experiment : Experiment
+
+    Returns
+    -------
+    callable
+    """
     places = [
         (axis, {value: place for place, value in enumerate(values)})
         for axis, values in experiment.axes.items()

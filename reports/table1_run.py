@@ -15,8 +15,10 @@ from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
 from datasets.synthetic_manifest import MANIFEST
+from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, RunOptions
 from evaluation.provenance import provenance_of
+from evaluation.registry import EXPERIMENTS
 from evaluation.rerendering import CHANNELS
 from evaluation.row_store import ROWS, RowStore
 from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
@@ -171,6 +173,30 @@ def measure_table1(
         )
     document = _document(table, source, time.monotonic() - started, options.workers)
     return Table1Run(document, source.dataset, source.lights, parameters)
+
+
+def source_experiment(source: Table1Source, channels: str = "gray") -> Experiment:
+    """Return the grid of cells that `measure_table1` measures.
+
+    Parameters
+    ----------
+    source : Table1Source
+    channels : {"gray", "color"}
+
+    Returns
+    -------
+    Experiment
+
+    Raises
+    ------
+    RelightlabError
+        For unknown channels.
+    """
+    if channels not in CHANNELS:
+        raise unknown_name("channels", channels, CHANNELS)
+    build = EXPERIMENTS[PROTOCOL]
+    parameters = shipped_parameters()
+    return build(source.dataset, source.lights, parameters, channels=channels, seed=TABLE1_SEED)
 
 
 def _document(table: Table1, source: Table1Source, seconds: float, workers: int) -> dict[str, Any]:
