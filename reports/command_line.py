@@ -15,6 +15,7 @@ import typer
 
 from reports.commands.data import app as data_app
 from reports.commands.evaluate import app as evaluate_app
+from reports.commands.grid import app as grid_app
 from reports.commands.model import app as model_app
 from reports.commands.reproduce import app as reproduce_app
 from shading_model.errors import RelightlabError
@@ -33,6 +34,7 @@ app.add_typer(reproduce_app)
 app.add_typer(data_app, name="data")
 app.add_typer(model_app, name="model")
 app.add_typer(evaluate_app, name="evaluate")
+app.add_typer(grid_app, name="grid")
 
 
 @app.callback(invoke_without_command=True)
