@@ -20,6 +20,7 @@ from shading_model.arrays import Float, Map, Mask
 
 Indices = NDArray[np.intp]
 COARSEST_UNKNOWNS = 200
+MAX_STEPS = 100
 SINGULAR_SHIFT = 1e-8
 """Added to the diagonal of a singular matrix where its multigrid is built, not where it is solved.
 
@@ -166,13 +167,23 @@ class PoissonSolver:
             Relative residual.
         start : (n,) array, optional
             First guess; zero if not given.
+
+        Raises
+        ------
+        ArithmeticError
+            If the tolerance is not reached in `MAX_STEPS` steps; ten are usual.
         """
         consistent = self._centred(right)
         if not consistent.any():
             return np.zeros(self._size)
-        solution, _ = pyamg.krylov.cg(
-            self._matrix, consistent, x0=start, tol=tolerance, maxiter=100, M=self._cycle
+        solution, failed = pyamg.krylov.cg(
+            self._matrix, consistent, x0=start, tol=tolerance, maxiter=MAX_STEPS, M=self._cycle
         )
+        if failed:
+            raise ArithmeticError(
+                f"the Poisson equation of {self._size} pixels was not solved to {tolerance:g}"
+                f" in {MAX_STEPS} steps"
+            )
         return self._centred(solution)
 
     def cycle(self, right: Float) -> Float:
