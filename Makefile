@@ -27,7 +27,7 @@ SUITABLE = import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
 WORKING = import sys, pip; sys.exit(sys.version_info < (3, 11))
 PIP = $(BIN)/python -m pip --disable-pip-version-check --no-input --quiet
 
-.PHONY: reproduce test lint types bench setup clean help constraints hooks
+.PHONY: reproduce test gate lint types bench setup clean help constraints hooks
 .DEFAULT_GOAL = help
 
 reproduce: setup ## build the models, print Table 1 and write the page
@@ -43,6 +43,9 @@ lint: setup ## formatting and lint rules
 
 types: setup ## the type checker, strictly, on the packages
 	$(BIN)/python -m mypy
+
+gate: setup ## hold the results of every variant to their record
+	$(BIN)/relightlab gate check $(ARGS)
 
 bench: setup ## time of each stage, in factorisations of the same grid
 	$(BIN)/python -m evaluation.benchmark $(ARGS)

@@ -32,10 +32,10 @@ def started(*arguments: str, **options: object) -> subprocess.Popen[str]:
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    """The help names the four groups of commands."""
+    """The help names every group of commands."""
     assert run(["--help"]) == 0
     shown = capsys.readouterr().out
-    assert all(name in shown for name in ("reproduce", "data", "model", "evaluate"))
+    assert all(name in shown for name in ("reproduce", "data", "model", "evaluate", "gate"))
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     [
         *(["reproduce"], ["data", "list"], ["data", "fetch"], ["data", "verify"]),
         *(["data", "synthesize"], ["model", "build"], ["model", "relight"]),
-        ["evaluate", "rerendering"],
+        *(["evaluate", "rerendering"], ["gate", "check"], ["gate", "record"]),
     ],
 )
 def test_every_command_has_help(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
