@@ -9,7 +9,7 @@ from __future__ import annotations
 import pickle
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -205,17 +205,20 @@ def _as_completed(
         for item in items
     }
     for future in library.as_completed(futures, loop=client.loop):
-        error = None if future.status == "finished" else _fault(future)
+        result, error = _outcome(future)
         if error is not None and not isinstance(error, library.KilledWorker):
             raise RelightlabError(
                 f"the run on the Dask cluster at {scheduler} stopped ({error}): what was measured"
                 " is kept; every worker needs this version of relightlab and its data"
             ) from error
-        yield futures.pop(future), None if error else future.result(), error is not None
+        yield futures.pop(future), result, error is not None
 
 
-def _fault(future: Any) -> BaseException:
-    if future.status == "error":
-        fault: BaseException = future.exception()
-        return fault
-    return RuntimeError("the scheduler went away")
+def _outcome(future: Any) -> tuple[Any, Exception | None]:
+    """Return the result or the fault; waits if the result was lost with its worker just now."""
+    try:
+        return future.result(), None
+    except CancelledError:
+        return None, RuntimeError("the scheduler went away")
+    except Exception as error:  # noqa: BLE001  told from the loss of a worker by whoever asks
+        return None, error
