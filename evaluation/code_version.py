@@ -12,11 +12,16 @@ NUMERIC_PACKAGES = ("numpy", "scipy", "pyamg", "opencv-python-headless")
 
 
 @cache
-def code_hash() -> str:
+def code_hash(places: tuple[str, ...] = FOLDERS) -> str:
     """Return a SHA-256 over every module that can change a number, and the numeric packages.
 
     Reports, studies and tests cannot. A changed comment counts as a change: measuring once too
     often is safer than mixing.
+
+    Parameters
+    ----------
+    places : tuple of str
+        Folders, and single modules by their paths, where less than all of them matters.
 
     Examples
     --------
@@ -25,9 +30,10 @@ def code_hash() -> str:
     """
     root = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
-    for folder in FOLDERS:
-        for path in sorted((root / folder).glob("*.py")):
-            digest.update(f"{folder}/{path.name}\0".encode())
+    for place in places:
+        whole = root / place
+        for path in [whole] if whole.is_file() else sorted(whole.glob("*.py")):
+            digest.update(f"{path.relative_to(root).as_posix()}\0".encode())
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     for package in NUMERIC_PACKAGES:
         digest.update(f"{package} {version(package)}\0".encode())

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from datasets.records import Capture, Dataset
+from datasets.records import Capture, Dataset, Photograph
 from evaluation.intrinsic_metrics import intrinsic_error
+from evaluation.kept_models import KeptModels
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.rerendering import RerenderingCell, rerendering_cells
 from evaluation.retinex_thresholds import thresholds_for
@@ -60,6 +62,7 @@ def measure_object(
     parameters: ModelParameters,
     channels: str = "gray",
     parts: ModelParts = PAPER_PARTS,
+    kept: KeptModels | None = None,
 ) -> ObjectResult:
     """Build an object's models in one setting and relight them under every light.
 
@@ -72,6 +75,8 @@ def measure_object(
     channels : {"gray", "color"}
     parts : ModelParts
         Base shape and detail layer of one's own, where given.
+    kept : KeptModels, optional
+        Where models are looked for before they are built, and kept.
 
     Returns
     -------
@@ -80,13 +85,10 @@ def measure_object(
     with threadpool_limits(limits=1):
         capture = dataset.load(name, setting)
         photograph, truth = capture.photograph, capture.truth
-        shape = parts.base(photograph.mask, photograph.image, parameters)
         thresholds = thresholds_for(dataset.name, setting, name) or parameters.thresholds
         split = retinex(photograph.image, photograph.mask, thresholds)
-        models = {
-            source: parts.assemble(photograph.mask, shape, images, parameters)
-            for source, images in (("default", split), ("gt-shading", true_parts(capture)))
-        }
+        sources = {"default": split, "gt-shading": true_parts(capture)}
+        models = _models(photograph, sources, parameters, parts, kept)
         models["flat"] = _flattened(models["default"])
         cells = {
             source: rerendering_cells(model, truth, lights, channels)
@@ -98,8 +100,30 @@ def measure_object(
             cells,
             _retinex_error(split, capture),
             _point_light_residual(models["default"]),
-            fit_harmonics(split.shading, shape.normals).root_mean_square,
+            fit_harmonics(split.shading, models["default"].normals).root_mean_square,
         )
+
+
+def _models(
+    photograph: Photograph,
+    sources: Mapping[str, IntrinsicImages],
+    parameters: ModelParameters,
+    parts: ModelParts,
+    kept: KeptModels | None,
+) -> dict[str, ObjectModel]:
+    @cache
+    def shape() -> CoarseShape:
+        return parts.base(photograph.mask, photograph.image, parameters)
+
+    def model(images: IntrinsicImages) -> ObjectModel:
+        def build() -> ObjectModel:
+            return parts.assemble(photograph.mask, shape(), images, parameters)
+
+        if kept is None:
+            return build()
+        return kept.get_or_build(photograph, images, parameters, parts, build)
+
+    return {source: model(images) for source, images in sources.items()}
 
 
 def true_parts(capture: Capture) -> IntrinsicImages:

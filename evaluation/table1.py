@@ -48,6 +48,7 @@ from datasets.records import Dataset
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions, run_grid
 from evaluation.grid_status import GridStatus
+from evaluation.kept_models import KeptModels
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult
 from evaluation.rerendering import monochrome_coefficients
@@ -243,6 +244,7 @@ def run_table1(
     parts: ModelParts = PAPER_PARTS,
     rules: Mapping[str, WeightRule] = WEIGHT_RULES,
     store: Rows | None = None,
+    kept: KeptModels | None = None,
     options: RunOptions = DEFAULT_OPTIONS,
     progress: Progress | None = None,
 ) -> Table1:
@@ -270,6 +272,8 @@ def run_table1(
         The weight rules reported.
     store : Rows, optional
         Cells it holds are not measured again; without one, rows are kept in memory.
+    kept : KeptModels, optional
+        Where object models are kept; without it they are built for each run.
     options : RunOptions
         Workers, scheduler, cells to measure, time limit.
     progress : callable, optional
@@ -289,7 +293,7 @@ def run_table1(
             raise unknown_name("object", name, dataset.objects)
     coefficients = monochrome_coefficients(lights).T
     experiment = table1_experiment(
-        Table1Context(dataset, tuple(lights), parameters, channels, parts), seed
+        Table1Context(dataset, tuple(lights), parameters, channels, parts, kept), seed
     )
     status = run_grid(experiment, store or MemoryRows(), options, progress)
     chosen = tuple(name for name in dataset.objects if not objects or name in objects)

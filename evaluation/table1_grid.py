@@ -19,6 +19,7 @@ from datasets.records import Dataset
 from evaluation.code_version import code_hash
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_status import GridStatus
+from evaluation.kept_models import KeptModels
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult, measure_object
 from evaluation.rerendering import RerenderingCell
@@ -44,6 +45,7 @@ class Table1Context:
     parameters: ModelParameters
     channels: str
     parts: ModelParts = PAPER_PARTS
+    kept: KeptModels | None = None
 
 
 def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
@@ -126,6 +128,7 @@ def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tup
         context.parameters,
         context.channels,
         context.parts,
+        context.kept,
     )
     shared = {name: getattr(result, name) for name in _OBJECT_VALUES}
     known = {name: value for name, value in shared.items() if np.isfinite(value)}
