@@ -15,8 +15,10 @@ from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
 from datasets.synthetic_manifest import MANIFEST
+from evaluation.blob_store import BLOBS
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, RunOptions
+from evaluation.kept_models import KeptModels
 from evaluation.provenance import provenance_of
 from evaluation.registry import EXPERIMENTS
 from evaluation.rerendering import CHANNELS
@@ -129,6 +131,7 @@ def measure_table1(
     channels: str = "gray",
     manual: Weights = MANUAL,
     store: Path | None = None,
+    keep_models: bool = False,
     options: RunOptions = DEFAULT_OPTIONS,
 ) -> Table1Run:
     """Measure Table 1 and say where its numbers come from.
@@ -142,6 +145,8 @@ def measure_table1(
     manual : Weights
     store : Path, optional
         Folder that keeps the rows; what it holds is not measured again.
+    keep_models : bool
+        Whether the store keeps the object models too.
     options : RunOptions
         The numbers do not depend on them.
 
@@ -168,11 +173,20 @@ def measure_table1(
             manual=manual,
             seed=TABLE1_SEED,
             store=None if store is None else RowStore(store / ROWS),
+            kept=_kept_models(store, keep_models),
             options=options,
             progress=report,
         )
     document = _document(table, source, time.monotonic() - started, options.workers)
     return Table1Run(document, source.dataset, source.lights, parameters)
+
+
+def _kept_models(store: Path | None, keep: bool) -> KeptModels | None:
+    if not keep:
+        return None
+    if store is None:
+        raise RelightlabError("--keep-models keeps them in a store: give its folder with --store")
+    return KeptModels(store / BLOBS)
 
 
 def source_experiment(source: Table1Source, channels: str = "gray") -> Experiment:

@@ -13,8 +13,10 @@ from reports.commands.options import (
     Dataset,
     Force,
     JsonFile,
+    KeepModels,
     Manual,
     Only,
+    Plan,
     Scheduler,
     Size,
     Store,
@@ -43,11 +45,14 @@ def rerendering_command(
     only: Only = None,
     force: Force = False,
     task_seconds: TaskSeconds = None,
+    keep_models: KeepModels = False,
+    plan: Plan = False,
     json: JsonFile = None,
 ) -> None:
     """Relight every object under natural lights and compare with the truth (Table 1)."""
     from evaluation.experiment import parse_only
     from evaluation.grid_run import RunOptions
+    from reports.commands.grid import say_plan
     from reports.console import print_table, say
     from reports.result_files import write_json
     from reports.table1_run import measure_table1, open_source
@@ -57,12 +62,16 @@ def rerendering_command(
     weights = Weights(*numbers_of(manual, 2, "--manual"))
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
+    if plan:
+        say_plan(source, channels, store, only=parse_only(only or []), force=force, json=json)
+        return
     run = measure_table1(
         source,
         objects=names_of(objects),
         channels=channels,
         manual=weights,
         store=store,
+        keep_models=keep_models,
         options=RunOptions(workers, scheduler, parse_only(only or []), force, task_seconds),
     )
     print_table(TITLE, COLUMNS, table1_lines(run.document))

@@ -11,7 +11,9 @@ import typer
 from reports.commands.options import Channels, DataRoot, Dataset, Force, JsonFile, Only, Size
 
 if TYPE_CHECKING:
-    from evaluation.experiment import Experiment
+    from collections.abc import Mapping, Sequence
+
+    from reports.table1_run import Table1Source
 
 DEFAULT_STORE = Path("out") / "store"
 GridStore = Annotated[Path, typer.Option("--store", metavar="DIR", help="Folder of the rows.")]
@@ -34,8 +36,11 @@ def status_command(
     from evaluation.row_store import ROWS, RowStore
     from reports.console import say
     from reports.result_files import write_json
+    from reports.table1_run import open_source, source_experiment
 
-    experiment = _experiment(data, dataset, size, channels)
+    source = open_source(data, dataset, size=size)
+    say(source.notice)
+    experiment = source_experiment(source, channels)
     summary = grid_summary(experiment, RowStore(store / ROWS))
     faults = {path: blob_fault(path) for path in blob_files(store / BLOBS)}
     broken = {f"{path.parent.name}/{path.name}": why for path, why in faults.items() if why}
@@ -60,15 +65,12 @@ def plan_command(
 ) -> None:
     """Say what a run would measure and cost, from the cells measured so far; run nothing."""
     from evaluation.experiment import parse_only
-    from evaluation.grid_plan import grid_plan
     from reports.console import say
-    from reports.result_files import write_json
+    from reports.table1_run import open_source
 
-    experiment = _experiment(data, dataset, size, channels)
-    plan = grid_plan(experiment, store, parse_only(only or []), force=force)
-    say(*plan.lines())
-    if json is not None:
-        write_json(json, plan.document())
+    source = open_source(data, dataset, size=size)
+    say(source.notice)
+    say_plan(source, channels, store, only=parse_only(only or []), force=force, json=json)
 
 
 @app.command("archive")
@@ -124,10 +126,33 @@ def merge_command(
         write_json(json, summary.document())
 
 
-def _experiment(data: Path | None, dataset: str | None, size: int, channels: str) -> Experiment:
-    from reports.console import say
-    from reports.table1_run import open_source, source_experiment
+def say_plan(
+    source: Table1Source,
+    channels: str,
+    store: Path | None,
+    *,
+    only: Mapping[str, Sequence[str]] | None = None,
+    force: bool = False,
+    json: Path | None = None,
+) -> None:
+    """Print what a run would measure and cost, and write it to a file if one is given.
 
-    source = open_source(data, dataset, size=size)
-    say(source.notice)
-    return source_experiment(source, channels)
+    Parameters
+    ----------
+    source : Table1Source
+    channels : str
+    store : Path or None
+        Where measured cells are looked for.
+    only, force : optional
+        As in `evaluation.grid_run.RunOptions`.
+    json : Path, optional
+    """
+    from evaluation.grid_plan import grid_plan
+    from reports.console import say
+    from reports.result_files import write_json
+    from reports.table1_run import source_experiment
+
+    plan = grid_plan(source_experiment(source, channels), store, only, force=force)
+    say(*plan.lines())
+    if json is not None:
+        write_json(json, plan.document())

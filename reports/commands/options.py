@@ -33,6 +33,12 @@ TaskSeconds = Annotated[
 Store = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Keep the rows in this folder, and resume.")
 ]
+KeepModels = Annotated[
+    bool, typer.Option("--keep-models", help="Keep the object models in the store, too.")
+]
+Plan = Annotated[
+    bool, typer.Option("--plan", help="Say what would be measured and its cost; run nothing.")
+]
 Dataset = Annotated[
     str | None,
     typer.Option(help="mit-berkeley or synthetic; by default the first that is found."),

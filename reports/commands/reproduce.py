@@ -14,7 +14,9 @@ from reports.commands.options import (
     Dataset,
     Force,
     JsonFile,
+    KeepModels,
     Manual,
+    Plan,
     Scheduler,
     Size,
     Workers,
@@ -35,10 +37,13 @@ def reproduce_command(
     channels: Channels = "gray",
     scheduler: Scheduler = None,
     force: Force = False,
+    keep_models: KeepModels = False,
+    plan: Plan = False,
     json: JsonFile = None,
 ) -> None:
     """Build the object models, print Table 1 beside the published one and write the page."""
     from evaluation.grid_run import RunOptions
+    from reports.commands.grid import say_plan
     from reports.console import print_table, say
     from reports.result_files import write_csv, write_json
     from reports.table1_page import write_page
@@ -51,11 +56,15 @@ def reproduce_command(
     table, page = out / "results" / "table1.csv", out / "report" / "index.html"
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
+    if plan:
+        say_plan(source, channels, out / "store", force=force, json=json)
+        return
     run = measure_table1(
         source,
         channels=channels,
         manual=weights,
         store=out / "store",
+        keep_models=keep_models,
         options=RunOptions(workers, scheduler, force=force),
     )
     print_table(TITLE, COLUMNS, table1_lines(run.document))
