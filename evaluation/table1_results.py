@@ -4,26 +4,31 @@ from __future__ import annotations
 
 from typing import Any
 
+from evaluation.own_rows import OwnRows
 from evaluation.provenance import Provenance
 from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
 from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1
 
 
-def table1_document(table: Table1, provenance: Provenance) -> dict[str, Any]:
+def table1_document(
+    table: Table1, provenance: Provenance, own: OwnRows | None = None
+) -> dict[str, Any]:
     """Return Table 1 with its rows, the published values, details by object, and provenance.
 
     Parameters
     ----------
     table : Table1
     provenance : Provenance
+    own : OwnRows, optional
+        Methods and models that the user added: more rows of the same keys.
 
     Returns
     -------
     dict
         ``rows``, one for each table entry; ``baselines``, a flat shape with the Retinex albedo;
         ``published``; ``open``, the entries not computed; ``objects`` and ``intrinsic``, the
-        same by object; ``missing``, the cells that should be there but are not, with
-        reasons; ``protocol`` and ``provenance``. NaN becomes None.
+        same by object; ``own_objects``, by object for the user's rows; ``missing``, the cells that
+        should be there but are not, with reasons; ``protocol``, ``provenance``. NaN becomes None.
     """
     return {
         "protocol": {
@@ -33,13 +38,17 @@ def table1_document(table: Table1, provenance: Provenance) -> dict[str, Any]:
             "lights": len(table.coefficients),
             "manual_weights": [table.manual.parametric, table.manual.geometric],
         },
-        "rows": _finite(table.rows()),
+        "rows": _finite(table.rows() + (own.rows() if own else [])),
         "baselines": _finite(table.baselines()),
         "published": [dict(entry) for entry in PUBLISHED],
         "open": [dict(entry) for entry in OPEN_ENTRIES],
         "objects": _finite(table.object_rows()),
+        "own_objects": _finite(own.object_rows() if own else []),
         "intrinsic": _finite(table.intrinsic_rows()),
-        "missing": [{**found.cell, "reason": found.reason} for found in table.missing_entries()],
+        "missing": [
+            {**found.cell, "reason": found.reason}
+            for found in (*table.missing_entries(), *(own.missing_entries() if own else ()))
+        ],
         "provenance": provenance.document(),
     }
 

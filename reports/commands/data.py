@@ -76,15 +76,20 @@ def fetch_command(
 
 @app.command("verify")
 def verify_command(
-    name: Annotated[str, typer.Argument(help="mit-berkeley")] = "mit-berkeley",
+    name: Annotated[
+        str, typer.Argument(help="mit-berkeley, or the folder of a set of your own.")
+    ] = "mit-berkeley",
     data: DataRoot = None,
     json: JsonFile = None,
 ) -> None:
-    """Compare every file of a set with its recorded SHA-256; exit code 2 if any is at fault."""
+    """Check every file of a set, by its recorded SHA-256 or by use; exit code 2 at any fault."""
     from datasets.verification import verify_mit_berkeley
     from reports.console import print_table
     from reports.result_files import write_json
 
+    if name not in FETCHED and Path(name).is_dir():
+        _verify_own(Path(name), json)
+        return
     _check_fetched(name)
     root = find_data_root(data)
     if root is None:
@@ -137,6 +142,29 @@ def synthesize_command(
         )
     finished = made if isinstance(made, Synthetic) else Synthetic(made)
     say(f"{finished.root}: {len(finished.objects)} objects, fingerprint {finished.fingerprint()}")
+
+
+def _verify_own(folder: Path, json: Path | None) -> None:
+    from datasets.own_folder import OwnFolder
+    from datasets.own_folder_check import check_own_folder
+    from reports.console import say
+    from reports.result_files import write_json
+
+    report = check_own_folder(OwnFolder(folder))
+    for name, found in report.found.items():
+        say(f"{name}: {', '.join(found) or 'nothing that can be used'}")
+        for sentence in [sentence for of, sentence in report.faults if of == name]:
+            say(f"{name}: WRONG: {sentence}")
+    lacking = report.lacking()
+    say(
+        *(f"{name}: no re-rendering without {' and '.join(p)}" for name, p in lacking.items()),
+        f"{len(report.found)} objects, {len(report.faults)} faults,"
+        f" {len(report.found) - len(lacking)} with depth and albedo",
+    )
+    if json is not None:
+        write_json(json, {**asdict(report), "folder": str(folder), "lacking": lacking})
+    if not report.usable:
+        raise RelightlabError(f"{folder} cannot be used as it is: {len(report.faults)} faults")
 
 
 def _check_fetched(name: str) -> None:
