@@ -12,6 +12,7 @@ import pytest
 from datasets.synthetic import Synthetic
 from evaluation import gate_measurement
 from evaluation.gate_baseline import (
+    FOLDER,
     Baseline,
     baseline_text,
     new_baseline,
@@ -286,3 +287,13 @@ def test_the_synthetic_set_is_made_alike_every_time(
     assert one.dataset.fingerprint() == two.dataset.fingerprint()
     assert one.content == two.content
     assert "size 96" in one.content
+
+
+@pytest.mark.parametrize("dataset", gate_measurement.SETS)
+def test_the_projects_records_are_whole(dataset: str) -> None:
+    """The committed records can be read, give a reason and cover every variant."""
+    found = read_baseline(dataset, FOLDER)
+    assert found.reason
+    assert found.measured.dataset == dataset
+    rows = {key.split(" ", 2)[2] for key in found.measured.errors}
+    assert rows == {f"{s} {r}" for s, r in variants()} | set(gate_measurement.INTRINSIC)
