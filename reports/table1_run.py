@@ -12,6 +12,8 @@ from datasets.illumination_pools import TABLE1_SEED, pool_name, table1_lights
 from datasets.locations import find_data_root, find_root_of, missing_data_sentence
 from datasets.mit_berkeley import MitBerkeley
 from datasets.model_parameters import shipped_parameters
+from datasets.own_folder import OwnFolder
+from datasets.own_folder_check import require_measurable
 from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SIZE, Synthetic, synthetic_root
 from datasets.synthetic_manifest import MANIFEST
@@ -19,6 +21,7 @@ from evaluation.blob_store import BLOBS
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, RunOptions
 from evaluation.kept_models import KeptModels
+from evaluation.own_rows import NOTHING, OwnChoices, OwnRows, run_own_rows
 from evaluation.provenance import provenance_of
 from evaluation.registry import EXPERIMENTS
 from evaluation.rerendering import CHANNELS
@@ -88,7 +91,8 @@ def open_source(
     data : Path, optional
         A data root, or the folder of a synthetic set.
     dataset : str, optional
-        One of `DATASETS`; by default MIT-Berkeley if it is found, else the synthetic set.
+        One of `DATASETS`, or the folder of a set of one's own; by default MIT-Berkeley if it is
+        found, else the synthetic set.
     size, workers : int
         Of the synthetic set, where it has to be made.
 
@@ -102,7 +106,11 @@ def open_source(
         If the dataset is unknown, or was asked for and is not found.
     """
     if dataset is not None and dataset not in DATASETS:
-        raise unknown_name("dataset", dataset, DATASETS)
+        if not Path(dataset).is_dir():
+            raise unknown_name(
+                "dataset", dataset, (*DATASETS, "or the folder of a set of your own")
+            )
+        return _own_source(Path(dataset), data)
     if data is not None and dataset != "mit-berkeley" and (data / MANIFEST).is_file():
         made = Synthetic(data)
         pool = pool_name(None)
@@ -130,6 +138,7 @@ def measure_table1(
     objects: Sequence[str] = (),
     channels: str = "gray",
     manual: Weights = MANUAL,
+    own: OwnChoices = NOTHING,
     store: Path | None = None,
     keep_models: bool = False,
     options: RunOptions = DEFAULT_OPTIONS,
@@ -143,6 +152,8 @@ def measure_table1(
         Those to report; all by default.
     channels : {"gray", "color"}
     manual : Weights
+    own : OwnChoices
+        Methods and parts that stand beside ours.
     store : Path, optional
         Folder that keeps the rows; what it holds is not measured again.
     keep_models : bool
@@ -162,6 +173,7 @@ def measure_table1(
     if channels not in CHANNELS:
         raise unknown_name("channels", channels, CHANNELS)
     parameters = shipped_parameters()
+    rows = None if store is None else RowStore(store / ROWS)
     started = time.monotonic()
     with progress("measuring cells") as report:
         table = run_table1(
@@ -172,12 +184,26 @@ def measure_table1(
             channels=channels,
             manual=manual,
             seed=TABLE1_SEED,
-            store=None if store is None else RowStore(store / ROWS),
+            rules=own.weight_rules(),
+            store=rows,
             kept=_kept_models(store, keep_models),
             options=options,
             progress=report,
         )
-    document = _document(table, source, time.monotonic() - started, options.workers)
+        brought = run_own_rows(
+            own,
+            source.dataset,
+            source.lights,
+            parameters,
+            objects=objects,
+            channels=channels,
+            manual=manual,
+            seed=TABLE1_SEED,
+            store=rows,
+            options=options,
+            progress=report,
+        )
+    document = _document(table, brought, source, time.monotonic() - started, options.workers)
     return Table1Run(document, source.dataset, source.lights, parameters)
 
 
@@ -213,10 +239,13 @@ def source_experiment(source: Table1Source, channels: str = "gray") -> Experimen
     return build(source.dataset, source.lights, parameters, channels=channels, seed=TABLE1_SEED)
 
 
-def _document(table: Table1, source: Table1Source, seconds: float, workers: int) -> dict[str, Any]:
+def _document(
+    table: Table1, own: OwnRows, source: Table1Source, seconds: float, workers: int
+) -> dict[str, Any]:
     """Return the document; a cell is an object under a light, for a detail source and setting."""
-    expected = len(table.objects) * len(source.lights) * len(DETAIL_SOURCES) * len(table.settings())
-    missing = len(table.missing_entries())
+    rows_of_lights = (2 if own.table else 1) * len(DETAIL_SOURCES) + len(own.methods)
+    expected = len(table.objects) * len(source.lights) * rows_of_lights * len(table.settings())
+    missing = len(table.missing_entries()) + len(own.missing_entries())
     provenance = provenance_of(
         protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",
         dataset=source.dataset.name,
@@ -227,7 +256,16 @@ def _document(table: Table1, source: Table1Source, seconds: float, workers: int)
         cells_done=expected - missing,
         cells_missing=missing,
     )
-    return table1_document(table, provenance)
+    return table1_document(table, provenance, own)
+
+
+def _own_source(folder: Path, data: Path | None) -> Table1Source:
+    own = OwnFolder(folder)
+    require_measurable(own)
+    find_data_root(data)  # tells if the root that was named is none
+    pool = find_root_of("boundary-cues", data)
+    notice = f"{len(own.objects)} objects of your own in {folder}"
+    return Table1Source(own, table1_lights(pool), pool_name(pool), notice)
 
 
 def _synthetic_folder(size: int, workers: int) -> Path:
