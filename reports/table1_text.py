@@ -17,6 +17,7 @@ DETAILS = {
     "default": "(a) Retinex",
     "sirfs-shading": "(b) SIRFS shading",
     "gt-shading": "(c) true shading",
+    "own": "its own",
 }
 
 Row = Mapping[str, Any]
@@ -49,6 +50,29 @@ def table1_lines(document: Mapping[str, Any]) -> list[tuple[str, ...]]:
         lines += [()] if lines else []
         lines += _setting_lines(document, setting)
     return lines
+
+
+def table1_title(document: Mapping[str, Any]) -> str:
+    """Return the title of the printed table, which says if cells are missing.
+
+    Parameters
+    ----------
+    document : mapping
+        Of `evaluation.table1_results.table1_document`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> table1_title({"missing": [{"object": "sun", "reason": "not measured"}]})[:27]
+    'INCOMPLETE, 1 cell missing.'
+    """
+    missing = len(document["missing"])
+    if not missing:
+        return TITLE
+    return f"INCOMPLETE, {missing} cell{'s' if missing > 1 else ''} missing. {TITLE}"
 
 
 def summary_lines(document: Mapping[str, Any]) -> list[str]:
@@ -155,7 +179,7 @@ def _comparison(document: Mapping[str, Any], setting: str) -> str:
         row["weights"]: f"{row['weights']} {_number(row['imse'], 5)}"
         f" ({_published(document, row)} published)"
         for row in document["rows"]
-        if row["setting"] == setting and row["detail_source"] == "default"
+        if (row["setting"], row["method"], row["detail_source"]) == (setting, "ours", "default")
     }
     shown = [found[rule] for rule in ("regression", "oracle") if rule in found]
     return f"{setting}: IMSE {', '.join(shown) or 'not measured'}"

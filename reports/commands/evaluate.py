@@ -11,16 +11,22 @@ from reports.commands.options import (
     Channels,
     DataRoot,
     Dataset,
+    DetailLayer,
     Force,
     JsonFile,
     KeepModels,
     Manual,
+    MethodCommands,
+    Methods,
+    MethodSeconds,
     Only,
     Plan,
     Scheduler,
+    Shape,
     Size,
     Store,
     TaskSeconds,
+    WeightRules,
     Workers,
     names_of,
     numbers_of,
@@ -45,6 +51,12 @@ def rerendering_command(
     only: Only = None,
     force: Force = False,
     task_seconds: TaskSeconds = None,
+    method: Methods = None,
+    method_command: MethodCommands = None,
+    method_seconds: MethodSeconds = 600.0,
+    shape: Shape = None,
+    detail_layer: DetailLayer = None,
+    weight_rule: WeightRules = None,
     keep_models: KeepModels = False,
     plan: Plan = False,
     json: JsonFile = None,
@@ -52,14 +64,18 @@ def rerendering_command(
     """Relight every object under natural lights and compare with the truth (Table 1)."""
     from evaluation.experiment import parse_only
     from evaluation.grid_run import RunOptions
+    from evaluation.method_command import CommandMethod
+    from evaluation.own_rows import own_choices
     from reports.commands.grid import say_plan
     from reports.console import print_table, say
     from reports.result_files import write_json
     from reports.table1_run import measure_table1, open_source
-    from reports.table1_text import COLUMNS, TITLE, stop_if_incomplete, table1_lines
+    from reports.table1_text import COLUMNS, stop_if_incomplete, table1_lines, table1_title
     from shading_model.object_model import Weights
 
     weights = Weights(*numbers_of(manual, 2, "--manual"))
+    commands = [CommandMethod(words, method_seconds) for words in method_command or []]
+    own = own_choices(method or [], commands, shape, detail_layer, weight_rule or [])
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
     if plan:
@@ -70,11 +86,12 @@ def rerendering_command(
         objects=names_of(objects),
         channels=channels,
         manual=weights,
+        own=own,
         store=store,
         keep_models=keep_models,
         options=RunOptions(workers, scheduler, parse_only(only or []), force, task_seconds),
     )
-    print_table(TITLE, COLUMNS, table1_lines(run.document))
+    print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))
     if json is not None:
         write_json(json, run.document)
         say(f"written: {json}")

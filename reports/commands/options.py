@@ -41,11 +41,39 @@ Plan = Annotated[
 ]
 Dataset = Annotated[
     str | None,
-    typer.Option(help="mit-berkeley or synthetic; by default the first that is found."),
+    typer.Option(help="mit-berkeley, synthetic or a folder; by default the first that is found."),
 ]
 Channels = Annotated[str, typer.Option(help="Compare 'gray' or all three, 'color'.")]
 Size = Annotated[int, typer.Option(help="Side of the synthetic pictures in pixels.")]
 Manual = Annotated[str, typer.Option(metavar="W_P,W_G", help="The weights reported as 'manual'.")]
+
+Methods = Annotated[
+    list[str] | None,
+    typer.Option("--method", metavar="MODULE:BUILD", help="A method beside ours; again for more."),
+]
+MethodCommands = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method-command",
+        metavar="COMMAND",
+        help="A method in another environment, with {inputs} and {outputs}.",
+    ),
+]
+MethodSeconds = Annotated[
+    float, typer.Option(help="Time limit of a method command for one object.")
+]
+Shape = Annotated[
+    str | None, typer.Option(metavar="MODULE:SHAPE", help="Base shape of a model beside ours.")
+]
+DetailLayer = Annotated[
+    str | None, typer.Option(metavar="MODULE:LAYER", help="Its layer in place of S_g.")
+]
+WeightRules = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--weight-rule", metavar="MODULE:RULE", help="A weight rule more; again for more."
+    ),
+]
 
 
 def names_of(text: str | None) -> tuple[str, ...]:
