@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reports.pictures import Picture, data_uri, fitted
+from reports.pictures import Picture, data_uri, fitted, print_jpeg
 from shading_model.errors import RelightlabError
 
 DISPLAY_WIDTH = 260
 """Pixels a panel is stored at; the page shows it no larger."""
+PRINT_WIDTH = 480
+"""Pixels it is printed from: 290 to the inch, four side by side on A4."""
 
 
 @dataclass(frozen=True)
@@ -18,9 +20,11 @@ class Panel:
     Parameters
     ----------
     source : str
-        A ``data:`` address.
+        A ``data:`` address, for the page.
     width, height : int
-        Pixels.
+        Pixels of it.
+    printed : bytes
+        The same as a JPEG, for print.
     description : str
         What is seen, for who cannot see it.
     caption : str
@@ -32,6 +36,7 @@ class Panel:
     source: str
     width: int
     height: int
+    printed: bytes
     description: str
     caption: str
     note: str = ""
@@ -104,7 +109,7 @@ class PlotFigure:
 
 
 def panel(picture: Picture, description: str, caption: str, note: str = "") -> Panel:
-    """Return a picture as a panel, at display size.
+    """Return a picture as a panel, at display size and at print size.
 
     Parameters
     ----------
@@ -131,4 +136,5 @@ def panel(picture: Picture, description: str, caption: str, note: str = "") -> P
         raise RelightlabError("expected a description of the picture, got an empty one")
     small = fitted(picture, DISPLAY_WIDTH)
     height, width = small.shape[:2]
-    return Panel(data_uri(small), width, height, description, caption, note)
+    printed = print_jpeg(fitted(picture, PRINT_WIDTH))
+    return Panel(data_uri(small), width, height, printed, description, caption, note)

@@ -29,7 +29,9 @@ SPHERE_SHARE = 0.72
 """Diameter of the sphere that shows a light, over the shorter side of its picture."""
 INSET_SHARE = 0.3
 """Side of the picture of a light set into another, over that picture's shorter side."""
-QUALITY = 86
+QUALITY, PRINT_QUALITY = 86, 90
+TILE = (236, 237, 235)
+"""What lies behind a printed picture, sRGB."""
 
 
 def exposure(image: Float) -> float:
@@ -238,6 +240,29 @@ def data_uri(picture: Picture) -> str:
     stream = io.BytesIO()
     PillowImage.fromarray(picture).save(stream, "WEBP", quality=QUALITY, method=5)
     return "data:image/webp;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
+
+
+def print_jpeg(picture: Picture) -> bytes:
+    """Return a picture on `TILE` as a JPEG file, the same for the same pixels.
+
+    Parameters
+    ----------
+    picture : (h, w, 4) uint8 array
+
+    Returns
+    -------
+    bytes
+
+    Examples
+    --------
+    >>> print_jpeg(np.zeros((1, 1, 4), np.uint8))[:3].hex()
+    'ffd8ff'
+    """
+    opacity = picture[..., 3:] / 255
+    shown = np.rint(picture[..., :3] * opacity + np.array(TILE) * (1 - opacity)).astype(np.uint8)
+    stream = io.BytesIO()
+    PillowImage.fromarray(shown).save(stream, "JPEG", quality=PRINT_QUALITY, subsampling=0)
+    return stream.getvalue()
 
 
 def _with_opacity(colours: Float) -> Picture:

@@ -19,6 +19,7 @@ INK, RULE = "#010203", "#010204"
 """Stand-ins that `page_svg` turns into the page's own colours, so that plots follow dark mode."""
 
 _PAGE_COLOURS = {INK: "currentColor", RULE: "var(--rule)"}
+_PRINT_COLOURS = {"currentColor": "#1b1d21", "var(--rule)": "#c9ccd1", "inherit": "DejaVu Sans"}
 _SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "relightlab",
@@ -96,6 +97,27 @@ def page_svg(figure: Figure, identifier: str) -> str:
         text = text.replace(stand_in, colour)
     text = text.replace("sans-serif", "inherit").replace("<svg ", '<svg aria-hidden="true" ', 1)
     return text.rstrip()
+
+
+def print_svg(svg: str) -> str:
+    """Return a plot of `page_svg` as a file of its own, in the colours and font of print.
+
+    Parameters
+    ----------
+    svg : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print_svg('<svg aria-hidden="true" width="1pt"></svg>')
+    '<svg xmlns="http://www.w3.org/2000/svg" width="1pt"></svg>'
+    """
+    for colour, printed in _PRINT_COLOURS.items():
+        svg = svg.replace(colour, printed)
+    return svg.replace('aria-hidden="true"', 'xmlns="http://www.w3.org/2000/svg"', 1)
 
 
 _METADATA = ("Date", "Creator", "Format", "Type")

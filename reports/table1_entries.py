@@ -10,6 +10,8 @@ RULES = ("coarse", "default", "manual", "regression", "oracle")
 PUBLISHED_RULES = ("regression", "oracle")
 OPEN = "open: needs SIRFS"
 MISSING = "missing"
+ALIKE = 0.1
+"""Ratios that differ from one by no more than this are called alike."""
 ROWS = (
     ("(a) default", "ours", "default"),
     ("(b) B+M S", "ours", "sirfs-shading"),
@@ -45,6 +47,15 @@ class Entry:
         if self.imse is None or self.published is None:
             return None
         return self.imse / self.published
+
+    @property
+    def word(self) -> str:
+        """``lower``, ``alike`` or ``higher`` than published; empty without a ratio."""
+        if self.ratio is None:
+            return ""
+        if abs(self.ratio - 1) <= ALIKE:
+            return "alike"
+        return "lower" if self.ratio < 1 else "higher"
 
 
 @dataclass(frozen=True)

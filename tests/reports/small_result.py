@@ -15,8 +15,9 @@ from datasets.synthetic import Synthetic, synthesize
 from evaluation.provenance import Provenance
 from evaluation.table1 import run_table1
 from evaluation.table1_results import table1_document
+from reports.content import Report
 from reports.subject import Subject
-from reports.table1_page import write_page
+from reports.table1_report import PAGE, table1_report, write_report
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters
 
@@ -25,7 +26,7 @@ OBJECTS = ("apple", "cup", "shell")
 
 @dataclass(frozen=True)
 class SmallResult:
-    """The arguments of `write_page` for a small set."""
+    """The arguments of `write_report` for a small set."""
 
     document: dict[str, Any]
     dataset: Synthetic
@@ -37,17 +38,20 @@ class SmallResult:
         document = copy.deepcopy(self.document) | changes
         return Subject(document, self.dataset, self.lights, self.parameters)
 
-    def write(self, path: Path, **changes: Any) -> str:
-        """Write the page of the result, with changed parts of the document, and return it."""
-        document = copy.deepcopy(self.document) | changes
-        write_page(
-            path,
-            document=document,
+    def report(self, **changes: Any) -> Report:
+        """Return the content of the report, with changed parts of the document."""
+        return table1_report(self.subject(**changes))
+
+    def write(self, folder: Path, **changes: Any) -> str:
+        """Write the report, with changed parts of the document, and return its page."""
+        page, _ = write_report(
+            folder,
+            document=copy.deepcopy(self.document) | changes,
             dataset=self.dataset,
             lights=self.lights,
             parameters=self.parameters,
         )
-        return path.read_text(encoding="utf-8")
+        return page.read_text(encoding="utf-8")
 
 
 def provenance(**changes: Any) -> Provenance:
@@ -83,7 +87,7 @@ def small_result(tmp_path_factory: pytest.TempPathFactory) -> SmallResult:
 
 @pytest.fixture(scope="session")
 def small_page(small_result: SmallResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page of the small result."""
-    path = tmp_path_factory.mktemp("page") / "table1.html"
-    small_result.write(path)
-    return path
+    """The page of the small result, with its PDF beside it."""
+    folder = tmp_path_factory.mktemp("report")
+    small_result.write(folder)
+    return folder / PAGE

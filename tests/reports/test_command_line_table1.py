@@ -127,7 +127,9 @@ def test_reproduce_writes_all_its_results(
     assert "<html" in (out / "report" / "index.html").read_text(encoding="utf-8")[:200].lower()
     lines = capsys.readouterr().out.splitlines()
     assert lines[-5].startswith("synthetic: 2 objects under 20 lights")
-    assert str(out / "report" / "index.html") in lines[-6]
+    assert str(out / "report" / "report.pdf") in lines[-6]
+    assert str(out / "report" / "index.html") in lines[-7]
+    assert (out / "report" / "report.pdf").read_bytes().startswith(b"%PDF-")
     assert "160 cells done, 0 missing" in lines[-2]
 
 

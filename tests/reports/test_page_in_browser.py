@@ -133,3 +133,39 @@ def test_paper_is_white(browser: Chrome) -> None:
     assert colour(browser, "body", "backgroundColor") == [255, 255, 255]
     assert colour(browser, "body", "color") == [0, 0, 0]
     assert not browser.find_element(By.TAG_NAME, "nav").is_displayed()
+
+
+def test_tables_are_sorted_by_pointer_and_keyboard(browser: Chrome) -> None:
+    """A heading sorts the rows of each group up, then down; entries without a value stay last."""
+    resize(browser, 1400)
+    column = (
+        "return [...document.querySelectorAll('#entries tbody:first-of-type tr:not(.group)')]"
+        ".map(row => row.cells[0].textContent)"
+    )
+    before = browser.execute_script(column)
+    button = browser.find_element(By.CSS_SELECTOR, "#entries thead th[data-column='1'] button")
+    values = (
+        "return [...document.querySelectorAll('#entries tbody:first-of-type tr:not(.group)')]"
+        ".map(row => parseFloat(row.cells[1].textContent))"
+    )
+    browser.execute_script("arguments[0].click()", button)
+    up = browser.execute_script(values)
+    assert up[:3] == sorted(up[:3])
+    assert None not in up[:3]
+    button.send_keys(Keys.ENTER)
+    down = browser.execute_script(values)
+    assert down[:3] == up[:3][::-1]
+    assert sorted(browser.execute_script(column)) == sorted(before)
+    sorted_heads = browser.find_elements(By.CSS_SELECTOR, "#entries [aria-sort]")
+    assert [head.get_attribute("aria-sort") for head in sorted_heads] == ["descending"]
+
+
+def test_equations_are_drawn(browser: Chrome) -> None:
+    """Every equation takes the room of a formula, and none is wider than a wide screen."""
+    resize(browser, 1400)
+    boxes = browser.execute_script(
+        "return [...document.querySelectorAll('math')].map(m => [m.getBoundingClientRect().width,"
+        " m.getBoundingClientRect().height])"
+    )
+    assert len(boxes) == 3
+    assert all(100 < width < 900 and 15 < height < 120 for width, height in boxes)
