@@ -7,12 +7,15 @@ leaves no trace in its result. What all tasks share is sent to a worker once, no
 from __future__ import annotations
 
 import pickle
+import socket
+import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 from joblib.externals.loky.process_executor import ProcessPoolExecutor
 from threadpoolctl import threadpool_limits
@@ -25,6 +28,7 @@ from shading_model.errors import RelightlabError
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 CONNECTION_SECONDS = 10
+SCHEMES = ("tcp", "tls")
 CHANGED_CODE = (
     "the code of relightlab has changed since the run began, and would give numbers that belong to"
     " no version: what was measured is kept, start the run again"
@@ -184,6 +188,7 @@ def _client(scheduler: str) -> Iterator[Any]:
         ) from error
     library: Any = distributed  # it has no types
     try:
+        _wait_for_listener(scheduler)
         client = library.Client(scheduler, timeout=CONNECTION_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
         raise RelightlabError(
@@ -191,6 +196,23 @@ def _client(scheduler: str) -> Iterator[Any]:
         ) from error
     with client:
         yield client
+
+
+def _wait_for_listener(address: str) -> None:
+    """Raise OSError or ValueError if nothing listens; a Dask client that fails leaves threads."""
+    parts = urlsplit(address)
+    if parts.scheme not in SCHEMES or parts.hostname is None or parts.port is None:
+        raise ValueError(f"not the address of a scheduler: {address}")
+    end = time.monotonic() + CONNECTION_SECONDS
+    while True:
+        try:
+            socket.create_connection((parts.hostname, parts.port), CONNECTION_SECONDS).close()
+        except OSError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)
+        else:
+            return
 
 
 def _as_completed(

@@ -47,7 +47,7 @@ class RunOptions:
     force : bool
         Measure the chosen cells again, though they are done; the newest row counts.
     seconds_per_task : float, optional
-        A task that takes longer is stopped and its cells have failed (not on Dask's threads).
+        A task that takes longer is stopped and its cells have failed.
     """
 
     workers: int = 1
