@@ -42,32 +42,38 @@ def reproduce_command(
     manual: Manual = "0.5,0.5",
     channels: Channels = "gray",
     scheduler: Scheduler = None,
+    force: Force = False,
     method: Methods = None,
     method_command: MethodCommands = None,
     method_seconds: MethodSeconds = 600.0,
     shape: Shape = None,
     detail_layer: DetailLayer = None,
     weight_rule: WeightRules = None,
-    force: Force = False,
     keep_models: KeepModels = False,
     plan: Plan = False,
     json: JsonFile = None,
 ) -> None:
-    """Build the object models, print Table 1 beside the published one and write the page."""
+    """Build the object models, print Table 1 beside the published one and write the report."""
     from evaluation.grid_run import RunOptions
     from evaluation.method_command import CommandMethod
     from evaluation.own_rows import own_choices
     from reports.commands.grid import say_plan
     from reports.console import print_table, say
     from reports.result_files import write_csv, write_json
-    from reports.table1_page import write_page
+    from reports.table1_report import write_report
     from reports.table1_run import measure_table1, open_source
-    from reports.table1_text import COLUMNS, TITLE, stop_if_incomplete, summary_lines, table1_lines
+    from reports.table1_text import (
+        COLUMNS,
+        stop_if_incomplete,
+        summary_lines,
+        table1_lines,
+        table1_title,
+    )
     from shading_model.object_model import Weights
 
     weights = Weights(*numbers_of(manual, 2, "--manual"))
     results = [out / "results" / "table1.json", *([json] if json else [])]
-    table, page = out / "results" / "table1.csv", out / "report" / "index.html"
+    table = out / "results" / "table1.csv"
     commands = [CommandMethod(words, method_seconds) for words in method_command or []]
     own = own_choices(method or [], commands, shape, detail_layer, weight_rule or [])
     source = open_source(data, dataset, size=size, workers=workers)
@@ -84,17 +90,17 @@ def reproduce_command(
         keep_models=keep_models,
         options=RunOptions(workers, scheduler, force=force),
     )
-    print_table(TITLE, COLUMNS, table1_lines(run.document))
+    print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))
     for path in results:
         write_json(path, run.document)
     write_csv(table, run.document["rows"])
-    write_page(
-        page,
+    report = write_report(
+        out / "report",
         document=run.document,
         dataset=run.dataset,
         lights=run.lights,
         parameters=run.parameters,
     )
-    say(*(f"written: {path}" for path in (*results, table, page)))
+    say(*(f"written: {path}" for path in (*results, table, *report)))
     say(*summary_lines(run.document))
     stop_if_incomplete(run.document)
