@@ -4,13 +4,16 @@
 four times the pixels (synthetic objects where MIT-Berkeley is absent) on one BLAS thread, and
 prints each stage's time in units of one SciPy ``splu`` factorisation plus solve of the same
 object's grid Laplacian, timed in the same run; before that, the time and memory of the whole of
-Table 1.
+Table 1, and the efficiency of its workers: the time of one process over that of all workers
+together, their start-up included.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import resource
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from joblib.externals.loky import get_reusable_executor
 from scipy.ndimage import zoom
 from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
@@ -30,6 +32,7 @@ from datasets.model_parameters import shipped_parameters
 from datasets.records import Dataset, Photograph
 from datasets.synthetic import Synthetic, synthetic_root
 from evaluation.grid_run import RunOptions
+from evaluation.row_store import ROWS, RowStore
 from evaluation.table1 import run_table1
 from shading_model.geometric_detail import geometric_detail
 from shading_model.illumination_fit import fit_point_lights
@@ -44,6 +47,10 @@ GROWTH_LIMIT = 5.0
 """How many times longer four times the pixels may take."""
 TABLE_SECONDS = 60.0
 TABLE_GIBIBYTES = 1.5
+BUSY = 0.5
+"""Load of the machine above which times say little."""
+EFFICIENCY = 0.85
+"""The least share of their time that workers should spend on what one process would do."""
 
 
 @dataclass(frozen=True)
@@ -184,18 +191,62 @@ def main() -> None:
 def _time_table(
     dataset: Dataset, root: Path | None, parameters: ModelParameters, workers: int
 ) -> None:
-    start = time.perf_counter()
-    options = RunOptions(workers=workers)
-    run_table1(dataset, table1_lights(root), parameters, options=options)
-    seconds = time.perf_counter() - start
-    # Only children that have ended are counted.
-    get_reusable_executor().shutdown(wait=True)
+    # What is read once is read here, so that the first run does not pay for the second.
+    dataset.fingerprint()
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    busy = os.getloadavg()[0]
+    alone = _table_seconds(dataset, root, parameters, 1)
+    seconds = _table_seconds(dataset, root, parameters, workers)
     kibibytes = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    memory = (kibibytes * workers + resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 2**20
+    memory = (kibibytes * workers + own) / 2**20
     print(
         f"Table 1 of {dataset.name}, complete: {seconds:.1f} s on {workers} workers"
         f" (limit {TABLE_SECONDS:.0f}), at most {memory:.2f} GiB (limit {TABLE_GIBIBYTES})"
     )
+    print(efficiency_line(alone, seconds, workers))
+    if busy > BUSY:
+        print(f"  the machine was busy before (load {busy:.1f}): measure again when it is quiet")
+
+
+def efficiency_line(alone: float, together: float, workers: int) -> str:
+    """Return the line that shows how well workers share Table 1.
+
+    Parameters
+    ----------
+    alone : float
+        Seconds of one process.
+    together : float
+        Seconds of all workers, from their start to the last row.
+    workers : int
+
+    Examples
+    --------
+    >>> efficiency_line(30.0, 16.0, 2)
+    '  efficiency 0.94 = 30.0 s by one process / (2 x 16.0 s) (at least 0.85) ok'
+    """
+    efficiency = alone / (workers * together)
+    verdict = "ok" if efficiency >= EFFICIENCY else "BELOW THE LIMIT"
+    return (
+        f"  efficiency {efficiency:.2f} = {alone:.1f} s by one process / ({workers} x"
+        f" {together:.1f} s) (at least {EFFICIENCY}) {verdict}"
+    )
+
+
+def _table_seconds(
+    dataset: Dataset, root: Path | None, parameters: ModelParameters, workers: int
+) -> float:
+    """Return the seconds of Table 1 with a fresh store, by workers started for it."""
+    with tempfile.TemporaryDirectory() as folder:
+        store = RowStore(Path(folder) / ROWS)
+        start = time.perf_counter()
+        run_table1(
+            dataset,
+            table1_lights(root),
+            parameters,
+            store=store,
+            options=RunOptions(workers=workers),
+        )
+        return time.perf_counter() - start
 
 
 if __name__ == "__main__":
