@@ -19,6 +19,7 @@ ROWS = (
     ("B+M", "sirfs", "default"),
 )
 """Rows of the published table: title, method, detail source."""
+SOURCE_TITLES = {source: title for title, method, source in ROWS if method == "ours"}
 BASELINE = "Retinex albedo, flat shape"
 
 
@@ -62,7 +63,8 @@ class Entry:
 class EntryRow:
     """One row of Table 1 in one setting: its title and its entries by weight rule.
 
-    A row of B + M has the single entry ``none``; the baseline only ``coarse``.
+    A row of B + M has the single entry ``none``; the baseline only ``coarse``; a row of a user's
+    method or weight rule only ``own``.
     """
 
     title: str
@@ -71,7 +73,7 @@ class EntryRow:
 
 
 def table1_rows(document: dict[str, Any], setting: str) -> tuple[EntryRow, ...]:
-    """Return the rows of one setting in the published order, then the baseline.
+    """Return the rows of one setting in the published order, then the user's, then the baseline.
 
     Parameters
     ----------
@@ -86,7 +88,7 @@ def table1_rows(document: dict[str, Any], setting: str) -> tuple[EntryRow, ...]:
     rows = [_row(document, setting, *keys) for keys in ROWS]
     baseline = [r for r in document["baselines"] if r["setting"] == setting]
     entry = _entry(baseline[0] if baseline else None, None)
-    return (*rows, EntryRow(BASELINE, {"coarse": entry}))
+    return (*rows, *_own_rows(document, setting), EntryRow(BASELINE, {"coarse": entry}))
 
 
 def measured(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
@@ -158,6 +160,27 @@ def _row(document: dict[str, Any], setting: str, title: str, method: str, source
         printed = _find(document["published"], key | {"weights": rule})
         entries[rule] = _entry(ours, printed, OPEN if is_open else MISSING)
     return EntryRow(title, entries, is_open)
+
+
+def _own_rows(document: dict[str, Any], setting: str) -> list[EntryRow]:
+    """Return the rows that a user added: models by their rules, other rows each by itself."""
+    added = [row for row in document["rows"] if row["setting"] == setting and _is_own(row)]
+    rows = {}
+    for row in added:
+        source = SOURCE_TITLES.get(row["detail_source"], "")
+        title = ", ".join(part for part in (row["method"], source) if part)
+        if row["weights"] in RULES:
+            key = {name: row[name] for name in ("setting", "method", "detail_source")}
+            found = {r: _entry(_find(added, key | {"weights": r}), None) for r in RULES}
+            rows[title] = EntryRow(title, found)
+        else:
+            rule = "" if row["weights"] == "none" else f", {row['weights']}"
+            rows[title + rule] = EntryRow(title + rule, {"own": _entry(row, None)})
+    return list(rows.values())
+
+
+def _is_own(row: dict[str, Any]) -> bool:
+    return row["method"] != "ours" or row["weights"] not in RULES
 
 
 def _entry(

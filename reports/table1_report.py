@@ -42,6 +42,7 @@ from reports.table1_tables import (
     entry_table,
     missing_words,
     object_table,
+    own_object_table,
     provenance_table,
     rows_table,
 )
@@ -227,8 +228,9 @@ def _figure_sections(subject: Subject) -> Iterable[Section]:
     yield Section(
         shape.identifier, shape.title, (Plot(shape, rows_behind(document, "rows", "published")),)
     )
-    tables = tuple(object_table(document, setting) for setting in subject.settings)
-    folded = Folded("All values by object", tables)
+    tables = [object_table(document, setting) for setting in subject.settings]
+    tables += [own_object_table(document)] if document["own_objects"] else []
+    folded = Folded("All values by object", tuple(tables))
     plot = Plot(errors, _object_rows(document))
     yield Section(errors.identifier, errors.title, (plot, folded))
     for figure in (figure for make in PANEL_FIGURES.values() for figure in make(subject)):

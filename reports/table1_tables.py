@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from reports.content import Cell, Group, Rows, Table, rows_behind
-from reports.table1_entries import PUBLISHED_RULES, RULES, Entry, EntryRow, table1_rows
+from reports.table1_entries import MISSING, PUBLISHED_RULES, RULES, Entry, EntryRow, table1_rows
 
 NONE = "–"  # noqa: RUF001  an en dash: no value
 OWN_RULES = tuple(rule for rule in RULES if rule not in PUBLISHED_RULES)
@@ -79,6 +80,9 @@ def _entry_cells(row: EntryRow) -> tuple[Cell, ...]:
             Cell(number(sirfs.published, 4), role="published"),
             Cell("no weights to choose", role="quiet", columns=4),
         )
+    if "own" in row.entries:
+        words = Cell("not in the published table", role="quiet", columns=6)
+        return (title, replace(_ours(row.entries["own"]), columns=len(OWN_RULES)), words)
     if len(row.entries) == 1:
         words = Cell("no detail layers; not in the published table", role="quiet", columns=8)
         return (title, _ours(row.entries["coarse"]), words)
@@ -175,6 +179,33 @@ def _object_cells(name: str, own: dict[str, Any]) -> tuple[Cell, ...]:
         Cell(number(own["harmonic_residual"], 3)),
     )
     return (Cell(name, role="head"), *errors, *residuals)
+
+
+def own_object_table(document: dict[str, Any]) -> Table:
+    """Return the error of every object in every row that the user added.
+
+    Parameters
+    ----------
+    document : dict
+
+    Returns
+    -------
+    Table
+    """
+    words = ("Object", "setting", "method", "details", "weights", "IMSE\u2032", "relative")
+    head = tuple(Cell(word, role="head") for word in words)
+    rows = tuple(
+        (
+            Cell(row["object"], role="head"),
+            *(Cell(row[key]) for key in ("setting", "method", "detail_source", "weights")),
+            _ours(Entry(row["imse"], absent=MISSING)),
+            Cell(number(row["relative_imse"], 3)),
+        )
+        for row in document["own_objects"]
+    )
+    caption = "Error of each object in the rows that are no part of the published table."
+    behind = rows_behind(document, "own_objects")
+    return Table("objects-own", caption, (head,), (Group("", rows),), behind)
 
 
 def provenance_table(provenance: dict[str, Any]) -> Table:

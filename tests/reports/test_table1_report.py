@@ -315,6 +315,31 @@ def test_baseline_is_the_last_row(small_result: SmallResult) -> None:
     assert last.entries["coarse"].imse == small_result.document["baselines"][0]["imse"]
 
 
+def test_rows_of_the_user_stand_beside_ours(small_result: SmallResult, tmp_path: Path) -> None:
+    """A user's method, model and weight rule have rows of Table 1, and values by object."""
+    document = small_result.document
+    first = document["rows"][0]
+    number = {"imse": 0.123456, "relative_imse": 0.25}
+    added = [
+        first | number | {"method": "mine", "detail_source": "own", "weights": "none"},
+        first | number | {"method": "ours + flat", "weights": "oracle", "imse": 0.234567},
+        first | number | {"weights": "halves", "imse": 0.345678},
+    ]
+    own_objects = [row | {"object": "cup"} for row in added]
+    changes = {"rows": [*document["rows"], *added], "own_objects": own_objects}
+    outline = read_html(small_result.write(tmp_path, **changes))
+    entries, *others = outline.all("table")
+    rows = {row.all("th")[0].text: row.text for row in entries.all("tr")}
+    assert "0.12346" in rows["mine"]
+    assert "0.23457" in rows["ours + flat, (a) default"]
+    assert "0.34568" in rows["ours, (a) default, halves"]
+    (own,) = [table for table in others if table.attributes["id"] == "objects-own"]
+    assert [row.all("td")[1].text for row in own.one("tbody").all("tr")] == [
+        *("mine", "ours + flat", "ours")
+    ]
+    assert table1_verdict(document | changes) == table1_verdict(document)
+
+
 def test_protocol_is_printed_whole(outline: Element) -> None:
     """Every choice of the protocol's docstring stands on the page."""
     from evaluation import table1
