@@ -91,7 +91,13 @@ class OwnFolder:
         )
 
     def load(self, name: str, setting: str = SETTING) -> Capture:
-        """Return an object's photograph and what is known of it."""
+        """Return an object's photograph and what is known of it.
+
+        Raises
+        ------
+        RelightlabError
+            If a name is unknown, or a file is missing or at fault.
+        """
         if setting not in self.settings:
             raise unknown_name("setting", setting, self.settings)
         files = self.files(name)
@@ -136,7 +142,13 @@ class ObjectFiles:
 
     @cached_property
     def photograph(self) -> Photograph:
-        """The photograph that models are built from."""
+        """The photograph that models are built from.
+
+        Raises
+        ------
+        RelightlabError
+            If it is missing, unreadable or of another size than its mask.
+        """
         path = _first(self.folder, "photograph", _PICTURES)
         if path is None:
             raise RelightlabError(f"{self.folder} lacks photograph.png, .jpg or .exr")
@@ -167,7 +179,13 @@ class ObjectFiles:
         return self._masked(_array(path), path, ())
 
     def image(self, stem: str) -> Image | None:
-        """Return the albedo or the shading, NaN outside the mask."""
+        """Return the albedo or the shading, NaN outside the mask.
+
+        Raises
+        ------
+        RelightlabError
+            If it is unreadable, of another size, negative or not finite.
+        """
         path = _first(self.folder, stem, _MAPS)
         if path is None:
             return None
@@ -178,7 +196,13 @@ class ObjectFiles:
         return values
 
     def lights(self) -> dict[str, LogHarmonics]:
-        """Return the lights of ``lights.json`` by the name of the picture taken under them."""
+        """Return the lights of ``lights.json`` by the name of the picture taken under them.
+
+        Raises
+        ------
+        RelightlabError
+            If the file is not as documented.
+        """
         path = self.folder / "lights.json"
         if not path.is_file():
             return {}
@@ -204,7 +228,13 @@ class ObjectFiles:
         return tuple(sorted(path for path in found if path.suffix.lower() in _PICTURES))
 
     def lit_photographs(self) -> tuple[LitPhotograph, ...]:
-        """Return the photographs under other lights, each with its light."""
+        """Return the photographs under other lights, each with its light.
+
+        Raises
+        ------
+        RelightlabError
+            If one has no coefficients.
+        """
         lights, pictures = self.lights(), self.pictures("lit")
         without = [path.stem for path in pictures if path.stem not in lights]
         if without and self.pictures("probe") and not lights:

@@ -1,0 +1,101 @@
+"""The examples of the README and of docs/, run as they are printed."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from datasets.synthetic import synthesize
+from reports.command_line import run
+from tests.repository import ROOT
+
+PROGRAM = "relightlab"
+
+
+@pytest.fixture(scope="module")
+def two_objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A synthetic set of two small objects."""
+    folder = tmp_path_factory.mktemp("set")
+    synthesize(folder, size=40, samples=1, objects=["apple", "pear"], workers=1)
+    return folder
+
+
+def block(document: str, word: str) -> str:
+    """Return the one fenced block of a document that holds a word."""
+    text = (ROOT / document).read_text(encoding="utf-8")
+    (found,) = [b for b in re.findall(r"```\w*\n(.*?)```", text, re.DOTALL) if word in b]
+    return str(found)
+
+
+def command(document: str, word: str) -> list[str]:
+    """Return the words of the one command line of a document that holds a word."""
+    (line,) = [line for line in block(document, word).splitlines() if word in line]
+    program, *words = shlex.split(line)
+    assert Path(program).name == PROGRAM
+    return words
+
+
+def measured(words: list[str], *options: str) -> dict[str, dict[str, float]]:
+    """Run a command and return the rows of Table 1 by method and setting."""
+    assert run([*words, "--workers", "1", "--json", "rows.json", *options]) == 0
+    rows = json.loads(Path("rows.json").read_text(encoding="utf-8"))["rows"]
+    found: dict[str, dict[str, float]] = {}
+    for row in rows:
+        found.setdefault(row["method"], {})[row["setting"]] = row["imse"]
+    return found
+
+
+def test_the_method_of_the_readme_has_its_row(
+    two_objects: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten lines in a file of the current folder, found, tried and measured."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    Path("dome.py").write_text(block("README.md", "class Dome"), encoding="utf-8")
+    rows = measured(command("README.md", "--method dome:Dome"), "--data", str(two_objects))
+    assert set(rows) == {"ours", "dome:Dome"}
+    assert set(rows["dome:Dome"]) == {"natural", "laboratory"}
+    assert all(0 < imse < 0.1 for imse in rows["dome:Dome"].values())
+
+
+def test_the_dataset_of_the_readme_is_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The script writes a set that is verified without a fault, and measured."""
+    monkeypatch.chdir(tmp_path)
+    script = block("README.md", "my-set/mug")
+    subprocess.run([sys.executable, "-c", script], check=True)
+    assert run(command("README.md", "data verify my-set")) == 0
+    assert "mug: photograph 61x61, depth, albedo" in capsys.readouterr().out
+    rows = measured(command("README.md", "--dataset my-set"))
+    assert set(rows["ours"]) == {"photograph"}
+
+
+def test_the_command_of_the_documentation_has_its_row(
+    two_objects: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A script in another process, from a folder of inputs to one of images."""
+    monkeypatch.chdir(tmp_path)
+    script = block("docs/own-method.md", "import json")
+    Path("relight.py").write_text(script, encoding="utf-8")
+    words = command("docs/own-method.md", "--method-command")
+    python = [word.replace("python ", f"{shlex.quote(sys.executable)} ") for word in words]
+    rows = measured(python, "--data", str(two_objects))
+    (own,) = set(rows) - {"ours"}
+    assert own.endswith("relight.py")
+    assert all(0 < imse < 0.1 for imse in rows[own].values())
+
+
+def test_the_lights_of_the_documentation_are_read(tmp_path: Path) -> None:
+    """The lights.json that is printed is one that can be used."""
+    from datasets.own_folder import ObjectFiles
+
+    text = block("docs/own-dataset.md", '"convention"')
+    (tmp_path / "lights.json").write_text(text, encoding="utf-8")
+    assert list(ObjectFiles(tmp_path).lights()) == ["lit_01"]
