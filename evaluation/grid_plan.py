@@ -103,6 +103,8 @@ def grid_plan(
     chosen = [cell for cell in experiment.cells(only) if states[place(cell)] not in closed]
     each = summary.seconds / summary.measured if summary.measured else None
     share = len(chosen) / summary.measured if summary.measured else None
+    # A cell that is measured again finds its blobs.
+    heavy = len(chosen) / (summary.done or summary.measured or 1)
     return GridPlan(
         protocol=experiment.protocol,
         cells=summary.cells,
@@ -113,7 +115,7 @@ def grid_plan(
         seconds_per_cell=None if each is None else round(each, 6),
         cpu_hours=None if each is None else round(each * len(chosen) / 3600, 6),
         row_bytes=None if share is None or folder is None else round(_row_bytes(folder) * share),
-        blob_bytes=None if share is None or folder is None else round(_blob_bytes(folder) * share),
+        blob_bytes=None if share is None or folder is None else round(_blob_bytes(folder) * heavy),
     )
 
 
