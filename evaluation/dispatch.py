@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
@@ -33,6 +34,7 @@ CHANGED_CODE = (
     "the code of relightlab has changed since the run began, and would give numbers that belong to"
     " no version: what was measured is kept, start the run again"
 )
+CANNOT_LOAD = "a worker process cannot load what the cells are measured with"
 _shared: list[Callable[[Any], Any]] = []
 """In a worker process, the work it does."""
 
@@ -147,17 +149,24 @@ def _pool(work: bytes, workers: int) -> Iterator[Any]:
 
 
 def _share(work: bytes, code: str) -> None:
+    """Load the work of a worker process; a fault is told when the first item is asked for."""
     leave_interrupts_to_the_parent()
-    # Told to whoever asks for the first item: what fails here could say nothing.
-    _shared[:] = [pickle.loads(work) if code == code_hash() else _other_code]  # noqa: S301  our own
+    if code != code_hash():
+        _shared[:] = [partial(_refuse, CHANGED_CODE)]
+        return
+    try:
+        _shared[:] = [pickle.loads(work)]  # noqa: S301  bytes of the process that started this one
+    except Exception as error:  # noqa: BLE001  an initializer that raises says nothing to anyone
+        reason = f"{type(error).__name__}: {error}"
+        _shared[:] = [partial(_refuse, f"{CANNOT_LOAD} ({reason})")]
+
+
+def _refuse(reason: str, _item: Any) -> None:
+    raise RelightlabError(reason)
 
 
 def _do_shared_work(item: Any) -> Any:
     return _on_one_thread(_shared[0], item)
-
-
-def _other_code(_item: Any) -> None:
-    raise RelightlabError(CHANGED_CODE)
 
 
 def _on_cluster(

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pickle
+import sys
 import time
+import types
 from pathlib import Path
 
 import pytest
@@ -123,6 +125,15 @@ def test_changed_code_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(RelightlabError) as caught:
         list(dispatch(abs, [-1, -2], workers=2))
     assert str(caught.value) == CHANGED_CODE
+
+
+def test_work_that_a_worker_cannot_load_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A module that only this process knows: one sentence, not a dead worker."""
+    module = types.ModuleType("only_here")
+    exec("def work(item):\n    return item", module.__dict__)  # noqa: S102
+    monkeypatch.setitem(sys.modules, "only_here", module)
+    with pytest.raises(RelightlabError, match=r"ModuleNotFoundError: No module named 'only_here'"):
+        list(dispatch(module.work, [1, 2, 3], workers=2))
 
 
 def test_an_own_process_outlives_its_items_and_not_its_owner() -> None:
