@@ -67,7 +67,14 @@ def entry_table(document: dict[str, Any], settings: Iterable[str]) -> Table:
         for setting in settings
     )
     behind = rows_behind(document, "rows", "baselines", "published")
-    return Table("entries", CAPTION, (above, below), groups, behind)
+    return Table("entries", _stamped(document, CAPTION), (above, below), groups, behind)
+
+
+def _stamped(document: dict[str, Any], caption: str) -> str:
+    missing = len(document["missing"])
+    if not missing:
+        return caption
+    return f"{{INCOMPLETE: {missing} cell{'s' if missing > 1 else ''} missing.}} {caption}"
 
 
 def _entry_cells(row: EntryRow) -> tuple[Cell, ...]:
@@ -164,7 +171,8 @@ def object_table(document: dict[str, Any], setting: str) -> Table:
         " root-mean-square residual of both light fits to the Retinex shading (mean 0.5)."
     )
     behind = rows_behind(document, "objects", "intrinsic")
-    return Table(f"objects-{setting}", caption, (above, below), (Group("", rows),), behind)
+    name, group = f"objects-{setting}", Group("", rows)
+    return Table(name, _stamped(document, caption), (above, below), (group,), behind)
 
 
 def _object_cells(name: str, own: dict[str, Any]) -> tuple[Cell, ...]:

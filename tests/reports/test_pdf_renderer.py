@@ -187,6 +187,7 @@ def test_incomplete_result_is_stamped_on_every_page(small_result: SmallResult) -
     document.close()
     assert all("INCOMPLETE" in text for text in texts)
     assert "cup, 3: MemoryError: no room" in texts[0]
+    assert "Table 1. INCOMPLETE: 1 cell missing. Mean re-rendering" in " ".join(texts)
 
 
 def test_text_of_the_document_is_not_markup(small_result: SmallResult) -> None:

@@ -196,6 +196,9 @@ def test_missing_cells_are_named(small_result: SmallResult, tmp_path: Path) -> N
     cell = {"object": "cup", "light": "3", "reason": "MemoryError"}
     header = read_html(small_result.write(tmp_path, missing=[cell] * 15)).one("header")
     assert "INCOMPLETE 15 cells are missing" in header.text
+    outline = read_html((tmp_path / PAGE).read_text(encoding="utf-8"))
+    captions = [t.one("caption").text for t in outline.all("table")[:3]]
+    assert all(caption.startswith("INCOMPLETE: 15 cells missing.") for caption in captions)
     listed = [item.text for item in header.all("li")]
     assert listed[0] == "cup, 3: MemoryError"
     assert listed[-1] == "and 3 more, all in results/table1.json"

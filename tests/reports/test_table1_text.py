@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
-from reports.table1_text import COLUMNS, OPEN, summary_lines, table1_lines
+from reports.table1_text import COLUMNS, OPEN, TITLE, summary_lines, table1_lines, table1_title
 
 RULES = ("coarse", "default", "regression", "oracle", "manual")
 
@@ -87,3 +87,10 @@ def test_the_summary_has_five_lines() -> None:
     )
     assert lines[3] == "160 cells done, 80 missing; 4 table entries open (they need SIRFS)"
     assert lines[4] == "1.5 s, workers: 2, code 0123456789ab, data fedcba987654"
+
+
+def test_title_says_what_is_missing() -> None:
+    """The title of the printed table begins with INCOMPLETE and a count where cells are missing."""
+    assert table1_title({"missing": []}) == TITLE
+    cell = {"object": "sun", "reason": "not measured"}
+    assert table1_title({"missing": [cell] * 2}) == f"INCOMPLETE, 2 cells missing. {TITLE}"
