@@ -1,4 +1,4 @@
-"""What every method has to keep to, tried on a small painted sphere before anything is measured."""
+"""What every method and part has to keep to, tried on a small ball before anything is measured."""
 
 from __future__ import annotations
 
@@ -7,11 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from datasets.model_parameters import shipped_parameters
+from evaluation.model_parts import ModelParts
 from evaluation.part_registries import Part
+from evaluation.rerendering import RerenderingCell
+from evaluation.weight_rules import CellGrid, checked_weights
 from shading_model.arrays import Float, Image, Mask
 from shading_model.errors import RelightlabError
 from shading_model.height_field import normals_of_height
 from shading_model.illumination import LogHarmonics
+from shading_model.retinex import IntrinsicImages
 
 HEIGHT, WIDTH = 48, 64
 LIGHTS = (
@@ -45,6 +50,76 @@ def check_method(method: Part) -> None:
         faults = [f"with a hole in the mask, {f}" for f in _faults(build, *contract_object(True))]
     if faults:
         raise RelightlabError(f"the method {method.name!r} cannot take part: {'; '.join(faults)}")
+
+
+def check_parts(parts: ModelParts) -> None:
+    """Try a base shape and a detail layer on the small object, whole and with a hole.
+
+    Parameters
+    ----------
+    parts : ModelParts
+
+    Raises
+    ------
+    RelightlabError
+        With what one of them got wrong.
+
+    Examples
+    --------
+    >>> from evaluation.part_registries import find_part
+    >>> check_parts(ModelParts(find_part("shape", "flat"), find_part("detail-layer", "none")))
+    """
+    parameters = shipped_parameters()
+    for hole in (False, True):
+        image, mask = contract_object(hole)
+        gray = np.where(mask, image.mean(axis=-1) + 0.1, np.nan)
+        try:
+            base = parts.base(mask, image, parameters)
+            if parts.detail_layer is not None:
+                images = IntrinsicImages(np.where(mask[..., None], image, np.nan), gray)
+                parts.assemble(mask, base, images, parameters)
+        except RelightlabError:
+            raise
+        except Exception as error:  # a part may raise anything
+            names = " or ".join(p.name for p in (parts.shape, parts.detail_layer) if p is not None)
+            raise RelightlabError(
+                f"{names} cannot take part: it raised {type(error).__name__}: {error}"
+            ) from error
+
+
+def check_weight_rule(rule: Part) -> None:
+    """Try a weight rule on a small grid of cells.
+
+    Parameters
+    ----------
+    rule : Part
+        Of kind ``weight-rule``.
+
+    Raises
+    ------
+    RelightlabError
+        If it raises, or its weights have another shape.
+
+    Examples
+    --------
+    >>> from evaluation.part_registries import find_part
+    >>> check_weight_rule(find_part("weight-rule", "regression"))
+    """
+    gram, cross = np.diag([1.0, 0.1, 0.01]), np.array([0.9, 0.05, 0.005])
+    cells = tuple(
+        tuple(RerenderingCell(gram, cross * (1 + 0.01 * (k + j)), 1.0) for j in range(len(LIGHTS)))
+        for k in range(3)
+    )
+    grid = CellGrid(cells, np.stack([light.coefficients for light in LIGHTS]))
+    try:
+        checked_weights(grid, rule.name, rule.load())
+    except RelightlabError:
+        raise
+    except Exception as error:  # a rule may raise anything
+        raise RelightlabError(
+            f"the weight rule {rule.name!r} cannot take part: it raised {type(error).__name__}:"
+            f" {error}"
+        ) from error
 
 
 def contract_object(hole: bool = False) -> tuple[Image, Mask]:

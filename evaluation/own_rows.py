@@ -9,7 +9,7 @@ import numpy as np
 
 from datasets.records import Dataset
 from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions
-from evaluation.method_contract import check_method
+from evaluation.method_contract import check_method, check_parts, check_weight_rule
 from evaluation.methods import (
     DETAIL_SOURCE,
     WEIGHTS,
@@ -142,7 +142,7 @@ def own_choices(
     detail_layer: str | None = None,
     weight_rules: Sequence[str] = (),
 ) -> OwnChoices:
-    """Find what the user names, and try every method before anything is measured.
+    """Find what the user names, and try all of it before anything is measured.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def own_choices(
     Raises
     ------
     RelightlabError
-        For unknown names, a name given twice, or a method that breaks its contract.
+        For unknown names, a name given twice, or what breaks its contract.
 
     Examples
     --------
@@ -178,6 +178,10 @@ def own_choices(
         None if shape is None else find_part("shape", shape),
         None if detail_layer is None else find_part("detail-layer", detail_layer),
     )
+    for rule in rules:
+        check_weight_rule(rule)
+    if parts != PAPER_PARTS:
+        check_parts(parts)
     return OwnChoices((*found, *commands), parts, tuple(rules))
 
 

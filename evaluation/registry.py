@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 
 from datasets.records import Dataset
 from evaluation.experiment import Experiment
+from evaluation.methods import MethodContext, method_experiment
+from evaluation.part_registries import find_part
 from evaluation.table1_grid import NAME, Table1Context, table1_experiment
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters
@@ -37,5 +39,36 @@ def table1_on(
     return table1_experiment(Table1Context(dataset, tuple(lights), parameters, channels), seed)
 
 
-EXPERIMENTS: dict[str, Callable[..., Experiment]] = {NAME: table1_on}
+def paper_model_on(
+    dataset: Dataset,
+    lights: Sequence[LogHarmonics],
+    parameters: ModelParameters,  # noqa: ARG001
+    *,
+    channels: str = "gray",
+    seed: str = "",
+) -> Experiment:
+    """Return the paper's model measured as anybody's method is; `parameters` play no part.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    lights : sequence of LogHarmonics
+    parameters : ModelParameters
+    channels : {"gray", "color"}
+    seed : str
+        Name that the lights were drawn by.
+
+    Returns
+    -------
+    Experiment
+    """
+    method = find_part("method", PAPER_MODEL)
+    return method_experiment(MethodContext(dataset, tuple(lights), channels, method), seed)
+
+
+PAPER_MODEL = "paper-model"
+EXPERIMENTS: dict[str, Callable[..., Experiment]] = {
+    NAME: table1_on,
+    f"{NAME} method {PAPER_MODEL}": paper_model_on,
+}
 """Called with a dataset, its lights and parameters; the contract tests run on each."""

@@ -115,4 +115,13 @@ def flat_weights(grid: CellGrid) -> Float:
     return np.zeros(2)
 
 
+def unknown_detail(shading: Map, mask: Mask) -> Map:
+    """Return a layer that is known nowhere."""
+    return np.full(mask.shape, np.nan)
+
+
+def built_nothing() -> None:
+    """Take no argument, as no part may."""
+
+
 NOT_CALLABLE = 3

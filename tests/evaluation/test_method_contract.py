@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from evaluation.method_contract import check_method, contract_object
+from evaluation.own_rows import own_choices
 from evaluation.part_registries import find_part
 from shading_model.errors import RelightlabError
 
@@ -46,3 +47,35 @@ def test_the_object_is_not_square_and_has_its_hole() -> None:
     assert not mask[24, 32]
     assert (image[mask] >= 0).all()
     assert image[mask].max() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("choices", "fault"),
+    [
+        ({"shape": "short_shape"}, "expected heights by"),
+        ({"shape": "raising"}, "cannot take part: it raised KeyError: 'weights.bin'"),
+        ({"detail_layer": "unknown_detail"}, "to be finite on the mask, got"),
+        ({"detail_layer": "raising"}, "cannot take part: it raised KeyError: 'weights.bin'"),
+        ({"weight_rules": "flat_weights"}, "returned shape (2,), expected (objects, lights, 2)"),
+        ({"weight_rules": "built_nothing"}, "cannot take part: it raised TypeError"),
+    ],
+)
+def test_what_a_part_got_wrong_is_named(choices: dict[str, str], fault: str) -> None:
+    """Shapes, layers and rules are tried, too, before anything is measured."""
+    given = {
+        kind: [f"{PARTS}:{name}"] if kind == "weight_rules" else f"{PARTS}:{name}"
+        for kind, name in choices.items()
+    }
+    with pytest.raises(RelightlabError) as error:
+        own_choices(**given)  # type: ignore[arg-type]
+    assert fault in str(error.value)
+
+
+def test_parts_that_keep_the_contract_pass() -> None:
+    """A cone, another layer and a rule of one's own."""
+    chosen = own_choices(
+        shape=f"{PARTS}:cone",
+        detail_layer=f"{PARTS}:doubled_detail",
+        weight_rules=[f"{PARTS}:quarter"],
+    )
+    assert chosen.parts.method == f"ours + {PARTS}:cone + {PARTS}:doubled_detail"

@@ -110,6 +110,7 @@ def test_a_failing_method_fails_its_cells_alone(tiny_set: Synthetic) -> None:
     assert missing[0].reason.startswith("relight returned shape (")
 
 
+@pytest.mark.slow
 def test_a_base_shape_of_ones_own_makes_a_second_model(
     tiny_set: Synthetic, tiny_table: Table1
 ) -> None:
@@ -125,6 +126,7 @@ def test_a_base_shape_of_ones_own_makes_a_second_model(
     assert cone.missing_entries() == ()
 
 
+@pytest.mark.slow
 def test_a_detail_layer_takes_the_place_of_the_geometric_one(tiny_set: Synthetic) -> None:
     """Coarse rows stay, rows with detail change."""
     rows = measured(own_choices(detail_layer=f"{PARTS}:doubled_detail"), tiny_set).rows()
@@ -184,13 +186,3 @@ def test_names_that_stand_in_the_table_are_refused(tiny_set: Synthetic) -> None:
         measured(twice, tiny_set)
     with pytest.raises(RelightlabError, match="'oracle' stands in Table 1 already"):
         own_choices(weight_rules=["oracle"])
-
-
-def test_parts_of_another_shape_are_told(tiny_set: Synthetic) -> None:
-    """A height of another size fails its cells; weights of another shape end the run."""
-    own = measured(own_choices(shape=f"{PARTS}:short_shape"), tiny_set, objects=["cup"])
-    assert "expected heights by" in own.missing_entries()[0].reason
-    rules = own_choices(weight_rules=[f"{PARTS}:flat_weights"]).weight_rules()
-    table = run_table1(tiny_set, LIGHTS[:1], shipped_parameters(), rules=rules, objects=["cup"])
-    with pytest.raises(RelightlabError, match=r"returned shape \(2,\)"):
-        table.rows()
