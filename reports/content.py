@@ -1,50 +1,18 @@
 """What a report says, whichever way it is shown: sections of prose, tables, equations and figures.
 
 Tables and figures name the rows they were made from by a hash over them, so that a printed number
-can be traced to the results file. Prose carries three marks: backticks for code, braces for
-emphasis, and an underscore for a one-letter index (S_p).
+can be traced to the results file. Prose carries the marks of `reports.prose`.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from reports.figures import PanelFigure, PlotFigure
-from shading_model.errors import RelightlabError, unknown_name
-
-SHOWN_DIGITS = 12
-"""Of a hash, where it is printed beside a table; the provenance has it whole."""
-_CODE = re.compile(r"`{1,2}([^`]+)`{1,2}")
-_EMPHASIS = re.compile(r"\{([^{}]+)\}")
-_INDEX = re.compile(r"(?<=\b[A-Zw])_(\w)\b")
-
-
-@dataclass(frozen=True)
-class Rows:
-    """The rows that something was made from.
-
-    Parameters
-    ----------
-    parts : tuple of str
-        Keys of the results document.
-    count : int
-    digest : str
-        SHA-256 of `rows_behind`.
-    """
-
-    parts: tuple[str, ...]
-    count: int
-    digest: str
-
-    @property
-    def sentence(self) -> str:
-        """The rows in words, for a caption."""
-        return f"From {self.count} rows with SHA-256 `{self.digest[:SHOWN_DIGITS]}`."
+from reports.rows_behind import Rows
+from shading_model.errors import RelightlabError
 
 
 @dataclass(frozen=True)
@@ -278,64 +246,6 @@ class Report:
     stops: tuple[str, ...]
 
 
-def rows_behind(document: Mapping[str, Any], *parts: str) -> Rows:
-    """Return parts of a results document with a hash over them.
-
-    The hash is the SHA-256 of the JSON text of the list of parts, keys sorted, no spaces, so that
-    anyone can compute it from the results file.
-
-    Parameters
-    ----------
-    document : mapping
-    parts : str
-        Keys of lists of rows.
-
-    Returns
-    -------
-    Rows
-
-    Raises
-    ------
-    RelightlabError
-        If the document has no such part.
-
-    Examples
-    --------
-    >>> rows_behind({"rows": [{"imse": 0.5}]}, "rows").count
-    1
-    """
-    for part in parts:
-        if part not in document:
-            raise unknown_name("part of the results", part, document)
-    chosen = [document[part] for part in parts]
-    text = json.dumps(chosen, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return Rows(parts, sum(map(len, chosen)), hashlib.sha256(text.encode()).hexdigest())
-
-
-def spans(text: str) -> list[tuple[str, str]]:
-    """Return prose cut at its marks: the kind of each piece, and the piece.
-
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    list of (str, str)
-        Kinds are ``text``, ``code``, ``emphasis`` and ``index``.
-
-    Examples
-    --------
-    >>> spans("by `k`, S_p and {style}")
-    [('text', 'by '), ('code', 'k'), ('text', ', S'), ('index', 'p'), ('text', ' and '),
-     ('emphasis', 'style')]
-    """
-    found: list[tuple[str, str]] = []
-    for place, piece in enumerate(_CODE.split(text)):
-        found += [("code", piece)] if place % 2 else _plain_spans(piece)
-    return [(kind, piece) for kind, piece in found if piece]
-
-
 def kind(block: object) -> str:
     """Return what kind of block something is, in lower case.
 
@@ -371,15 +281,6 @@ def tied_blocks(report: Report) -> Iterator[tuple[str, Rows]]:
                     yield inner.identifier, inner.rows
                 elif isinstance(inner, Plot | Pictures):
                     yield inner.figure.identifier, inner.rows
-
-
-def _plain_spans(text: str) -> Iterator[tuple[str, str]]:
-    for place, piece in enumerate(_EMPHASIS.split(text)):
-        if place % 2:
-            yield "emphasis", piece
-            continue
-        for part, words in enumerate(_INDEX.split(piece)):
-            yield ("index" if part % 2 else "text"), words
 
 
 def _width(cells: tuple[Cell, ...]) -> int:

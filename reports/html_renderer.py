@@ -10,7 +10,8 @@ from importlib.resources import files
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from datasets.atomic import atomic_path
-from reports.content import Report, kind, spans
+from reports.content import Report, kind
+from reports.prose import spans
 
 TEMPLATE, SCRIPT = "report.html.j2", "sort.js"
 

@@ -21,7 +21,9 @@ import matplotlib as mpl
 import typst
 
 from datasets.atomic import atomic_path
-from reports.content import Report, Rows, kind, spans
+from reports.content import Report, kind
+from reports.prose import spans
+from reports.rows_behind import Rows
 from reports.style import print_svg
 
 TEMPLATE, CONTENT = "report.typ", "report.json"

@@ -21,10 +21,8 @@ from reports.content import (
     Prose,
     Remarks,
     Report,
-    Rows,
     Section,
     Stamp,
-    rows_behind,
     tied_blocks,
 )
 from reports.decomposition_figure import decomposition_figure, teaser_figure
@@ -36,6 +34,7 @@ from reports.light_fit_figure import light_fit_figure
 from reports.paper_equations import EQUATIONS
 from reports.pdf_renderer import write_pdf
 from reports.pictures import diverging_stops
+from reports.rows_behind import Rows, rows_behind
 from reports.subject import Subject
 from reports.table1_entries import missing_reasons
 from reports.table1_tables import (

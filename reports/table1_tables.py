@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from reports.content import Cell, Group, Rows, Table, rows_behind
+from reports.content import Cell, Group, Table
+from reports.rows_behind import Rows, rows_behind
 from reports.table1_entries import MISSING, PUBLISHED_RULES, RULES, Entry, EntryRow, table1_rows
 
 NONE = "–"  # noqa: RUF001  an en dash: no value
