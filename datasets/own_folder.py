@@ -10,7 +10,7 @@
                shading.png      or .exr, .npy; photograph / albedo where it is left out
                lit_01.png ...   the same view under other lights
                lights.json      {"convention": "log" or "linear", "lights": {"lit_01": [9 numbers]}}
-               probe_01.png ... pictures of a white sphere under the same lights
+               probe_01.png ... white spheres under those lights, for what lights.json leaves out
 
 Only the photograph and its mask have to be there. Re-rendering needs depth and albedo.
 """
@@ -35,6 +35,7 @@ from shading_model.errors import RelightlabError, unknown_name
 from shading_model.harmonic_conversion import linear_to_log
 from shading_model.height_field import normals_of_slopes, slopes
 from shading_model.illumination import LinearHarmonics, LogHarmonics
+from shading_model.light_probe import light_of_probe
 
 SETTING = "photograph"
 DARKEST_ALBEDO = 1e-3
@@ -222,6 +223,22 @@ class ObjectFiles:
         except RelightlabError as error:
             raise RelightlabError(f"{path}: {error}") from error
 
+    def probe_lights(self) -> dict[str, LogHarmonics]:
+        """Return the lights fitted to the probe pictures, by the name of the lit photograph.
+
+        Raises
+        ------
+        RelightlabError
+            If a probe cannot be used.
+        """
+        lights = {}
+        for path in self.pictures("probe"):
+            try:
+                lights[f"lit{path.stem.removeprefix('probe')}"] = light_of_probe(_linear(path))
+            except RelightlabError as error:
+                raise RelightlabError(f"{path}: {error}") from error
+        return lights
+
     def pictures(self, prefix: str) -> tuple[Path, ...]:
         """Return the pictures ``prefix_*``, in order of their names."""
         found = self.folder.glob(f"{prefix}_*")
@@ -233,15 +250,11 @@ class ObjectFiles:
         Raises
         ------
         RelightlabError
-            If one has no coefficients.
+            If one has neither coefficients nor a probe, or a probe cannot be used.
         """
-        lights, pictures = self.lights(), self.pictures("lit")
+        pictures = self.pictures("lit")
+        lights = {**self.probe_lights(), **self.lights()}
         without = [path.stem for path in pictures if path.stem not in lights]
-        if without and self.pictures("probe") and not lights:
-            raise RelightlabError(
-                f"{self.folder} has light probes but no lights.json: lights cannot be fitted to"
-                " probe images yet, write their nine coefficients"
-            )
         if without:
             raise RelightlabError(f"{self.folder} lacks the lights of {', '.join(without)}")
         return tuple(LitPhotograph(self._photograph(p), lights[p.stem]) for p in pictures)

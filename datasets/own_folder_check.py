@@ -76,8 +76,8 @@ def require_measurable(dataset: OwnFolder) -> None:
     Raises
     ------
     RelightlabError
-        If a file is at fault, an object lacks depth or albedo, or lit photographs have probe
-        images but no coefficients.
+        If a file is at fault, an object lacks depth or albedo, or a lit photograph has
+        neither coefficients nor a probe.
     """
     report = check_own_folder(dataset)
     if report.faults:
@@ -121,7 +121,7 @@ def _checked(files: ObjectFiles) -> tuple[tuple[str, ...], list[str]]:
     lit = tried(files.lit_photographs)
     words += [f"{len(lit)} lit photographs"] if lit else []
     probes = files.pictures("probe")
-    words += [f"{len(probes)} probes, not used"] if probes else []
+    words += [f"{len(probes)} probes"] if probes else []
     return tuple(words), faults
 
 

@@ -14,6 +14,7 @@ from datasets.own_folder import OwnFolder
 from datasets.own_folder_check import check_own_folder, require_measurable
 from reports.command_line import run
 from shading_model.errors import RelightlabError
+from shading_model.illumination import LogHarmonics
 from tests.datasets.own_set import LIGHT, SIDE, sixteen_bit, write_object
 from tests.example_objects import write_picture
 
@@ -128,8 +129,7 @@ def _nan_albedo(mug: Path) -> None:
     np.save(mug / "albedo.npy", np.full((SIDE, SIDE), np.nan))
 
 
-def _probes_alone(mug: Path) -> None:
-    (mug / "lights.json").unlink()
+def _saturated_probe(mug: Path) -> None:
     write_picture(mug / "probe_01.png", sixteen_bit(np.ones((8, 8, 3))))
 
 
@@ -149,7 +149,7 @@ def _probes_alone(mug: Path) -> None:
         (_lights('{"convention": "logg", "lights": {}}'), "Did you mean 'log'?"),
         (_lights('{"convention": "log", "lights": {"lit_01": [1]}}'), "of shape (9,)"),
         (_lights('{"convention": "log", "lights": {}}'), "lacks the lights of lit_01, lit_02"),
-        (_probes_alone, "cannot be fitted to probe images yet"),
+        (_saturated_probe, "the light probe is saturated"),
     ],
 )
 def test_every_fault_is_one_line(
@@ -214,3 +214,22 @@ def test_unknown_names_and_empty_folders_are_told(own: Path, tmp_path: Path) -> 
         OwnFolder(tmp_path / "empty")
     with pytest.raises(RelightlabError, match="no such folder"):
         OwnFolder(tmp_path / "absent")
+
+
+def test_a_probe_stands_in_for_coefficients(own: Path) -> None:
+    """A lit photograph whose light is not listed takes that of the sphere beside it."""
+    mug = own / "mug"
+    dimmed = OwnFolder(own).lit_photographs("mug")[0].illumination.coefficients - 2 * np.eye(9)[0]
+    rows, columns = (np.mgrid[:64, :64] - 31.5) / 32
+    upright = np.sqrt(np.maximum(1 - rows**2 - columns**2, 0))
+    normals = np.stack([columns, -rows, upright], axis=-1)
+    shading = LogHarmonics(dimmed).shade(normals)
+    write_picture(mug / "probe_01.png", sixteen_bit(np.repeat(shading[..., None], 3, axis=-1)))
+    document = json.loads((mug / "lights.json").read_text(encoding="utf-8"))
+    del document["lights"]["lit_01"]
+    (mug / "lights.json").write_text(json.dumps(document), encoding="utf-8")
+    fitted, other = OwnFolder(own).lit_photographs("mug")
+    assert fitted.illumination.coefficients.shape == (9, 3)
+    assert other.illumination.coefficients.shape == (9,)
+    inside = np.hypot(rows, columns) < 0.9
+    assert np.allclose(fitted.illumination.shade(normals)[inside][:, 0], shading[inside], rtol=0.01)
