@@ -37,6 +37,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets.array_archive import add_member, npy_bytes
 from datasets.atomic import atomic_path
 from shading_model.errors import RelightlabError
 from shading_model.illumination import PointLights
@@ -85,12 +86,12 @@ def save_model(
     target = Path(path)
     if target.suffix != SUFFIX:
         raise RelightlabError(f"expected a model file's name to end in {SUFFIX}, got {target}")
-    arrays = {member: _npy_bytes(getattr(model, member)) for member in MAPS}
+    arrays = {member: npy_bytes(getattr(model, member)) for member in MAPS}
     header = _header(model, _digest(arrays), name, source)
     with atomic_path(target) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        _add(archive, HEADER, header)
+        add_member(archive, HEADER, header, _FASTEST)
         for member, content in arrays.items():
-            _add(archive, f"{member}.npy", content)
+            add_member(archive, f"{member}.npy", content, _FASTEST)
 
 
 def load_model(path: str | os.PathLike[str]) -> ObjectModel:
@@ -201,13 +202,6 @@ def _header(model: ObjectModel, digest: str, name: str, source: str) -> bytes:
         raise RelightlabError("the model's light holds NaN or infinite values") from error
 
 
-def _npy_bytes(values: NDArray[Any]) -> bytes:
-    stream = io.BytesIO()
-    little_endian = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
-    np.lib.format.write_array(stream, little_endian, version=(1, 0), allow_pickle=False)
-    return stream.getvalue()
-
-
 def _array(content: bytes) -> NDArray[Any]:
     values: NDArray[Any] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
     return values
@@ -219,14 +213,6 @@ def _digest(arrays: dict[str, bytes]) -> str:
         digest.update(member.encode())
         digest.update(content)
     return digest.hexdigest()
-
-
-def _add(archive: zipfile.ZipFile, member: str, content: bytes) -> None:
-    # ZipInfo's own date is 1 January 1980, and its system is fixed here: no clock, no machine.
-    entry = zipfile.ZipInfo(member)
-    entry.create_system = 3
-    entry.external_attr = 0o644 << 16
-    archive.writestr(entry, content, zipfile.ZIP_DEFLATED, _FASTEST)
 
 
 def _damaged(path: str | os.PathLike[str], reason: str) -> RelightlabError:

@@ -22,10 +22,12 @@ from __future__ import annotations
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from datasets.array_archive import add_member, npy_bytes
 from datasets.atomic import atomic_path
 from datasets.environment_maps import shipped_lights
 from datasets.mit_berkeley import normals_of_depth
@@ -182,16 +184,16 @@ def save_object(target: Path, made: SyntheticObject) -> None:
     RelightlabError
         If the file cannot be written.
     """
-    with atomic_path(target) as path, path.open("wb") as stream:
-        # NumPy dates the members of an archive 1980, so the bytes hold no clock.
-        np.savez_compressed(
-            stream,
-            height=made.height.astype(np.float32),
-            albedo=made.albedo.astype(np.float32),
-            photographs=made.photographs,
-            lights=made.lights,
-            natural_light=made.natural_light,
-        )
+    arrays: dict[str, NDArray[Any]] = {
+        "height": made.height.astype(np.float32),
+        "albedo": made.albedo.astype(np.float32),
+        "photographs": made.photographs,
+        "lights": made.lights,
+        "natural_light": made.natural_light,
+    }
+    with atomic_path(target) as path, zipfile.ZipFile(path, "w") as archive:
+        for name, values in arrays.items():
+            add_member(archive, f"{name}.npy", npy_bytes(values))
 
 
 def load_object(source: Path) -> SyntheticObject:

@@ -209,7 +209,6 @@ def test_a_cell_that_could_not_be_measured_is_the_worst(
     [
         ({"protocol": "table-1 0"}, "this is table-1 0"),
         ({"content": "another set"}, "content of the dataset is another"),
-        ({"fingerprint": "0" * 64}, "content of the dataset is another"),
         ({"errors": {"natural cup lmse": (0.1,)}}, "its cells are others, such as"),
     ],
 )
@@ -225,9 +224,10 @@ def test_what_cannot_be_compared_is_refused(
 def test_files_made_elsewhere_may_differ_in_their_last_digits(
     baseline: Baseline, measured: GateMeasurement
 ) -> None:
-    """On another platform, a set made alike is compared though its files have another hash."""
-    elsewhere = replace(measured, fingerprint="0" * 64, platform={"system": "another"})
-    assert compare(baseline, elsewhere).passed
+    """A set made alike is compared though its files have another hash."""
+    for platform in ({"system": "another"}, measured.platform):
+        elsewhere = replace(measured, fingerprint="0" * 64, platform=platform)
+        assert compare(baseline, elsewhere).passed
 
 
 def test_the_file_is_deterministic_and_read_back(
