@@ -5,10 +5,40 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from datasets.atomic import atomic_path
+
+
+def require_writable(*paths: Path | None) -> None:
+    """Refuse outputs that cannot be written, before hours are spent on what belongs into them.
+
+    Their folders are made; nothing is left under the names themselves.
+
+    Parameters
+    ----------
+    *paths : Path or None
+        None is passed over.
+
+    Raises
+    ------
+    RelightlabError
+        If one cannot be written.
+
+    Examples
+    --------
+    >>> require_writable(None)
+    """
+    for path in paths:
+        if path is not None:
+            with suppress(_Unwritten), atomic_path(path):
+                raise _Unwritten
+
+
+class _Unwritten(Exception):  # noqa: N818  no error: it ends a trial
+    """Ends a trial of an output without writing it."""
 
 
 def write_json(path: Path, document: Mapping[str, Any]) -> None:

@@ -20,6 +20,7 @@ from datasets.synthetic_manifest import MANIFEST
 from evaluation.blob_store import BLOBS
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, RunOptions
+from evaluation.grid_status import grid_summary
 from evaluation.kept_models import KeptModels
 from evaluation.own_rows import NOTHING, OwnChoices, OwnRows, run_own_rows
 from evaluation.provenance import provenance_of
@@ -30,7 +31,7 @@ from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
 from evaluation.table1_grid import DETAIL_SOURCES
 from evaluation.table1_results import table1_document
 from evaluation.weight_rules import MANUAL
-from reports.console import progress
+from reports.console import progress, say
 from shading_model.errors import RelightlabError, unknown_name
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters, Weights
@@ -174,6 +175,8 @@ def measure_table1(
         raise unknown_name("channels", channels, CHANNELS)
     parameters = shipped_parameters()
     rows = None if store is None else RowStore(store / ROWS)
+    if rows is not None:
+        say(grid_summary(source_experiment(source, channels), rows).sentence())
     started = time.monotonic()
     with progress("measuring cells") as report:
         table = run_table1(

@@ -40,11 +40,12 @@ def unknown_name(kind: str, name: str, available: Iterable[str]) -> RelightlabEr
     Examples
     --------
     >>> print(unknown_name("detail source", "gt", ["default", "gt-shading"]))
-    Unknown detail source 'gt'. Available: default, gt-shading.
+    Unknown detail source 'gt'. Did you mean 'gt-shading'? Available: default, gt-shading.
     >>> print(unknown_name("object", "racoon", ["raccoon", "sun"]))
     Unknown object 'racoon'. Did you mean 'raccoon'? Available: raccoon, sun.
     """
     names = list(available)
-    close = difflib.get_close_matches(name, names, n=1)
+    beginning = [known for known in names if name and known.startswith(name)]
+    close = difflib.get_close_matches(name, names, n=1) or beginning
     hint = f" Did you mean {close[0]!r}?" if close else ""
     return RelightlabError(f"Unknown {kind} {name!r}.{hint} Available: {', '.join(names)}.")

@@ -68,7 +68,7 @@ def rerendering_command(
     from evaluation.own_rows import own_choices
     from reports.commands.grid import say_plan
     from reports.console import print_table, say
-    from reports.result_files import write_json
+    from reports.result_files import require_writable, write_json
     from reports.table1_run import measure_table1, open_source
     from reports.table1_text import COLUMNS, stop_if_incomplete, table1_lines, table1_title
     from shading_model.object_model import Weights
@@ -81,6 +81,7 @@ def rerendering_command(
     if plan:
         say_plan(source, channels, store, only=parse_only(only or []), force=force, json=json)
         return
+    require_writable(json)
     run = measure_table1(
         source,
         objects=names_of(objects),

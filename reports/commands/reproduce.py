@@ -24,6 +24,7 @@ from reports.commands.options import (
     Scheduler,
     Shape,
     Size,
+    TaskSeconds,
     WeightRules,
     Workers,
     numbers_of,
@@ -43,6 +44,7 @@ def reproduce_command(
     channels: Channels = "gray",
     scheduler: Scheduler = None,
     force: Force = False,
+    task_seconds: TaskSeconds = None,
     method: Methods = None,
     method_command: MethodCommands = None,
     method_seconds: MethodSeconds = 600.0,
@@ -59,7 +61,7 @@ def reproduce_command(
     from evaluation.own_rows import own_choices
     from reports.commands.grid import say_plan
     from reports.console import print_table, say
-    from reports.result_files import write_csv, write_json
+    from reports.result_files import require_writable, write_csv, write_json
     from reports.table1_report import write_report
     from reports.table1_run import measure_table1, open_source
     from reports.table1_text import (
@@ -81,6 +83,7 @@ def reproduce_command(
     if plan:
         say_plan(source, channels, out / "store", force=force, json=json)
         return
+    require_writable(*results, table, out / "report" / "report.pdf")
     run = measure_table1(
         source,
         channels=channels,
@@ -88,7 +91,7 @@ def reproduce_command(
         own=own,
         store=out / "store",
         keep_models=keep_models,
-        options=RunOptions(workers, scheduler, force=force),
+        options=RunOptions(workers, scheduler, None, force, task_seconds),
     )
     print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))
     for path in results:

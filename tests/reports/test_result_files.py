@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.result_files import write_csv, write_json
+from reports.result_files import require_writable, write_csv, write_json
+from shading_model.errors import RelightlabError
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -38,3 +39,14 @@ def test_what_is_missing_is_an_empty_field(tmp_path: Path) -> None:
     """None becomes nothing between commas."""
     write_csv(tmp_path / "a.csv", [{"a": None, "b": "é"}])
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "a,b\n,é\n"
+
+
+def test_outputs_are_tried_before_the_work(tmp_path: Path) -> None:
+    """A good output leaves no trace of the trial and keeps what it held; a bad one is refused."""
+    kept = tmp_path / "kept.json"
+    kept.write_text("{}")
+    require_writable(kept, None, tmp_path / "new" / "table.csv")
+    assert kept.read_text() == "{}"
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["kept.json"]
+    with pytest.raises(RelightlabError, match="cannot write"):
+        require_writable(kept / "below-a-file.json")

@@ -32,3 +32,9 @@ def test_it_is_raised_as_the_users_fault() -> None:
     """The error can be raised as it is returned."""
     with pytest.raises(RelightlabError, match="Unknown setting"):
         raise unknown_name("setting", "studio", ["natural"])
+
+
+def test_a_beginning_is_completed() -> None:
+    """A short name that others begin with is no near match, but meant."""
+    words = str(unknown_name("detail source", "gt", ["default", "gt-shading"]))
+    assert "Did you mean 'gt-shading'?" in words
