@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -29,6 +29,9 @@ from reports.commands.options import (
     Workers,
     numbers_of,
 )
+
+if TYPE_CHECKING:
+    from reports.table1_run import Table1Run
 
 app = typer.Typer()
 
@@ -61,8 +64,7 @@ def reproduce_command(
     from evaluation.own_rows import own_choices
     from reports.commands.grid import say_plan
     from reports.console import print_table, say
-    from reports.result_files import require_writable, write_csv, write_json
-    from reports.table1_report import write_report
+    from reports.result_files import require_writable
     from reports.table1_run import measure_table1, open_source
     from reports.table1_text import (
         COLUMNS,
@@ -94,16 +96,24 @@ def reproduce_command(
         options=RunOptions(workers, scheduler, None, force, task_seconds),
     )
     print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))
+    say(*(f"written: {path}" for path in _write(run, results, table, out / "report")))
+    say(*summary_lines(run.document))
+    stop_if_incomplete(run.document)
+
+
+def _write(run: Table1Run, results: list[Path], table: Path, folder: Path) -> tuple[Path, ...]:
+    """Write the numbers and the report; return the paths of all files."""
+    from reports.result_files import write_csv, write_json
+    from reports.table1_report import write_report
+
     for path in results:
         write_json(path, run.document)
     write_csv(table, run.document["rows"])
     report = write_report(
-        out / "report",
+        folder,
         document=run.document,
         dataset=run.dataset,
         lights=run.lights,
         parameters=run.parameters,
     )
-    say(*(f"written: {path}" for path in (*results, table, *report)))
-    say(*summary_lines(run.document))
-    stop_if_incomplete(run.document)
+    return (*results, table, *report)
