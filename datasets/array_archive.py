@@ -23,7 +23,8 @@ def npy_bytes(values: NDArray[Any]) -> bytes:
     b'\x93NUMPY'
     """
     stream = io.BytesIO()
-    little_endian = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
+    # Unlike ascontiguousarray, this leaves a single number without an axis.
+    little_endian = np.asarray(values, dtype=values.dtype.newbyteorder("<"), order="C")
     np.lib.format.write_array(stream, little_endian, version=(1, 0), allow_pickle=False)
     return stream.getvalue()
 

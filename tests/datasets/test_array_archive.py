@@ -25,6 +25,12 @@ def test_arrays_come_back() -> None:
         assert np.array_equal(arrays["values"], values)
 
 
+def test_a_single_number_stays_one() -> None:
+    """An array without axes comes back without axes."""
+    with np.load(io.BytesIO(archive_of(np.array(2.5)))) as arrays:
+        assert arrays["values"].shape == ()
+
+
 def test_members_carry_no_clock_machine_or_python() -> None:
     """Date, system and the version needed to read are fixed, and no member is marked as large."""
     with zipfile.ZipFile(io.BytesIO(archive_of(np.zeros(1000)))) as archive:
