@@ -1,0 +1,259 @@
+"""Compiled kernels of the shape: slopes, curvature, the shape's terms of the loss, and adjoints.
+
+Slopes are 3x3 Sobel derivatives over 8, down the rows and right along the columns; second
+derivatives are 3x3 stencils; borders are replicated. Kernels that take gradients add to them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from evaluation.sirfs.regions import Runs
+from shading_model.arrays import Float
+
+CURVATURE_FLOOR = 1e-4
+SLANT_FLOOR = 0.01
+FLAT_ENDS = 1e-3
+"""Within this of parallel or opposed to the outline's normal, the contour term has no gradient."""
+
+
+@njit(cache=True, error_model="numpy")
+def padded_height(height: Float, padded: Float) -> None:  # pragma: no cover  compiled
+    """Copy a height map (h, w) into one with a replicated border of one pixel, (h + 2, w + 2).
+
+    Parameters
+    ----------
+    height, padded : arrays
+    """
+    rows, columns = height.shape
+    for i in range(rows + 2):
+        source = min(max(i - 1, 0), rows - 1)
+        padded[i, 0] = height[source, 0]
+        for j in range(columns):
+            padded[i, j + 1] = height[source, j]
+        padded[i, columns + 1] = height[source, columns - 1]
+
+
+@njit(cache=True, error_model="numpy")
+def slopes_of(padded: Float, down: Float, right: Float) -> None:  # pragma: no cover  compiled
+    """Fill the slopes dZ/drow and dZ/dcolumn of a padded height map.
+
+    Parameters
+    ----------
+    padded : (h + 2, w + 2) array
+    down, right : (h, w) arrays
+    """
+    rows, columns = down.shape
+    for i in range(rows):
+        above, here, below = padded[i], padded[i + 1], padded[i + 2]
+        out_down, out_right = down[i], right[i]
+        for j in range(columns):
+            corner = below[j + 2] - above[j]
+            across = below[j] - above[j + 2]
+            out_down[j] = (corner + across + 2.0 * (below[j + 1] - above[j + 1])) / 8.0
+            out_right[j] = (corner - across + 2.0 * (here[j + 2] - here[j])) / 8.0
+
+
+@njit(cache=True, error_model="numpy")
+def curvature_of(
+    padded: Float, down: Float, right: Float, runs: Runs, curvature: Float, partials: Float
+) -> None:  # pragma: no cover  compiled
+    """Fill mean curvature, and its partial derivatives, on runs.
+
+    Parameters
+    ----------
+    padded : (h + 2, w + 2) array
+    down, right : (h, w) arrays
+    runs : (r, 3) array
+    curvature : (h, w) array
+    partials : (5, h, w) array
+        By dZ/drow, dZ/dcolumn, and the second derivatives rr, cc, rc.
+    """
+    for k in range(runs.shape[0]):
+        i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
+        above, here, below = padded[i], padded[i + 1], padded[i + 2]
+        slope_down, slope_right, out = down[i], right[i], curvature[i]
+        by_p, by_q = partials[0, i], partials[1, i]
+        by_rr, by_cc, by_rc = partials[2, i], partials[3, i], partials[4, i]
+        for j in range(start, stop):
+            corners = above[j] + above[j + 2] + below[j] + below[j + 2]
+            sides = here[j] + here[j + 2]
+            ends = above[j + 1] + below[j + 1]
+            centre = 4.0 * here[j + 1]
+            rr = (corners + 2.0 * ends - 2.0 * sides - centre) / 4.0
+            cc = (corners + 2.0 * sides - 2.0 * ends - centre) / 4.0
+            rc = (above[j] - above[j + 2] - below[j] + below[j + 2]) / 4.0
+            p, q = slope_down[j], slope_right[j]
+            square = 1.0 + p * p + q * q
+            inverse = 0.5 / (square * math.sqrt(square))
+            with_cc, with_rr, with_rc = 1.0 + p * p, 1.0 + q * q, -2.0 * p * q
+            mean = (with_cc * cc + with_rr * rr + with_rc * rc) * inverse
+            out[j] = mean
+            shrink = 3.0 * mean / square
+            by_p[j] = 2.0 * (p * cc - q * rc) * inverse - shrink * p
+            by_q[j] = 2.0 * (q * rr - p * rc) * inverse - shrink * q
+            by_rr[j] = with_rr * inverse
+            by_cc[j] = with_cc * inverse
+            by_rc[j] = with_rc * inverse
+
+
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def difference_loss(
+    values: Float,
+    pairs: Runs,
+    table: Float,
+    spacing: float,
+    start_of_table: float,
+    floor: float,
+    gradient: Float,
+    buffer: Float,
+) -> float:  # pragma: no cover  compiled
+    """Return the summed cost of differences over pairs, and add its gradient.
+
+    The cost is a table over ``sqrt(difference^2 + floor^2)``, linear between its knots and beyond.
+
+    Parameters
+    ----------
+    values : (h, w) array
+    pairs : (r, 5) array
+    table : (k,) array
+    spacing, start_of_table : float
+        Of the table's knots.
+    floor : float
+    gradient : (h, w) array
+        Added to.
+    buffer : (w,) array
+        Scratch.
+    """
+    total = 0.0
+    last = table.shape[0] - 2
+    inverse = 1.0 / spacing
+    for k in range(pairs.shape[0]):
+        i, start, stop = pairs[k, 0], pairs[k, 1], pairs[k, 2]
+        shift = pairs[k, 4]
+        first, second = values[i], values[i + pairs[k, 3]]
+        for j in range(start, stop):
+            difference = first[j] - second[j + shift]
+            length = math.sqrt(difference * difference + floor * floor)
+            place = (length - start_of_table) * inverse
+            knot = np.uint32(min(place, float(last)))
+            low = table[knot]
+            rise = table[knot + np.uint32(1)] - low
+            total += low + rise * (place - knot)
+            buffer[j] = rise * inverse * difference / length
+        here, there = gradient[i], gradient[i + pairs[k, 3]]
+        for j in range(start, stop):
+            here[j] += buffer[j]
+        for j in range(start, stop):
+            there[j + shift] -= buffer[j]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def curvature_adjoint(
+    by_curvature: Float, scale: float, runs: Runs, partials: Float, gradients: Float
+) -> None:  # pragma: no cover  compiled
+    """Add the gradient by curvature to those by slopes and second derivatives.
+
+    Parameters
+    ----------
+    by_curvature : (h, w) array
+    scale : float
+        Factor of `by_curvature`.
+    runs : (r, 3) array
+    partials : (5, h, w) array
+    gradients : (5, h + 4, w + 4) array
+        By dZ/drow, dZ/dcolumn, rr, cc, rc, with a border of two pixels; added to.
+    """
+    for k in range(runs.shape[0]):
+        i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
+        source = by_curvature[i]
+        for m in range(5):
+            part, target = partials[m, i], gradients[m, i + 2]
+            for j in range(start, stop):
+                target[j + 2] += scale * source[j] * part[j]
+
+
+@njit(cache=True, error_model="numpy")
+def slant_loss(
+    down: Float, right: Float, scale: float, gradients: Float
+) -> float:  # pragma: no cover  compiled
+    """Return the sum of ``sqrt((log N_z)^2 + floor^2)`` over all pixels, and add scale times its gradient.
+
+    Parameters
+    ----------
+    down, right : (h, w) arrays
+    scale : float
+    gradients : (5, h + 4, w + 4) array
+    """
+    total = 0.0
+    rows, columns = down.shape
+    for i in range(rows):
+        slope_down, slope_right = down[i], right[i]
+        by_down, by_right = gradients[0, i + 2], gradients[1, i + 2]
+        for j in range(columns):
+            p, q = slope_down[j], slope_right[j]
+            square = 1.0 + p * p + q * q
+            # log N_z = -log(1 + p^2 + q^2) / 2
+            lean = 0.5 * math.log(square)
+            length = math.sqrt(lean * lean + SLANT_FLOOR * SLANT_FLOOR)
+            total += length
+            by_lean = scale * lean / (length * square)
+            by_down[j + 2] += by_lean * p
+            by_right[j + 2] += by_lean * q
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def height_adjoint(gradients: Float, by_height: Float) -> None:  # pragma: no cover  compiled
+    """Fill the gradient by height from those by slopes and second derivatives.
+
+    Parameters
+    ----------
+    gradients : (5, h + 4, w + 4) array
+        Zero on the border of two pixels.
+    by_height : (h, w) array
+    """
+    rows, columns = by_height.shape
+    line = np.empty(columns + 2)
+    for i in range(rows):
+        for j in range(columns):
+            by_height[i, j] = 0.0
+    for i in range(rows + 2):
+        # Row i of the padded height; a stencil's centre is at rows i - 1 .. i + 1 of `gradients`.
+        p0, p2 = gradients[0, i], gradients[0, i + 2]
+        q0, q1, q2 = gradients[1, i], gradients[1, i + 1], gradients[1, i + 2]
+        r0, r1, r2 = gradients[2, i], gradients[2, i + 1], gradients[2, i + 2]
+        c0, c1, c2 = gradients[3, i], gradients[3, i + 1], gradients[3, i + 2]
+        m0, m2 = gradients[4, i], gradients[4, i + 2]
+        for j in range(columns + 2):
+            slope_down = p0[j] + 2.0 * p0[j + 1] + p0[j + 2] - p2[j] - 2.0 * p2[j + 1] - p2[j + 2]
+            slope_right = q0[j] - q0[j + 2] + 2.0 * (q1[j] - q1[j + 2]) + q2[j] - q2[j + 2]
+            bend_down = (
+                r0[j]
+                + 2.0 * r0[j + 1]
+                + r0[j + 2]
+                - 2.0 * (r1[j] + 2.0 * r1[j + 1] + r1[j + 2])
+                + r2[j]
+                + 2.0 * r2[j + 1]
+                + r2[j + 2]
+            )
+            bend_right = (
+                c0[j]
+                - 2.0 * c0[j + 1]
+                + c0[j + 2]
+                + 2.0 * (c1[j] - 2.0 * c1[j + 1] + c1[j + 2])
+                + c2[j]
+                - 2.0 * c2[j + 1]
+                + c2[j + 2]
+            )
+            twist = m0[j] - m0[j + 2] - m2[j] + m2[j + 2]
+            line[j] = (slope_down + slope_right) / 8.0 + (bend_down + bend_right + twist) / 4.0
+        target = by_height[min(max(i - 1, 0), rows - 1)]
+        target[0] += line[0]
+        for j in range(columns):
+            target[j] += line[j + 1]
+        target[columns - 1] += line[columns + 1]

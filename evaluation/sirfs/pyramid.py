@@ -1,0 +1,168 @@
+"""The over-complete pyramid of heights, as the metric that it makes steps in.
+
+A height map is the sum of levels, each half the size of the last and spread by the transpose of a
+decimating filter: ``Z = Z_1 + D_1' (Z_2 + D_2' (Z_3 + ...)) = T z``. The filter is
+``[1 3 3 1] / sqrt 8`` along each axis, so coarse levels weigh more by far. Quasi-Newton steps in z
+are quasi-Newton steps in Z that start from the metric ``T T'``, which is all that is needed here:
+unknowns stay as many as pixels.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from shading_model.arrays import Float
+
+_EDGE, _MIDDLE = 1.0 / math.sqrt(8.0), 3.0 / math.sqrt(8.0)
+
+
+@njit(cache=True, error_model="numpy")
+def _decimated_rows(fine: Float, coarse: Float) -> None:  # pragma: no cover  compiled
+    last = fine.shape[0] - 1
+    for i in range(coarse.shape[0]):
+        a, b = fine[max(2 * i - 1, 0)], fine[2 * i]
+        c, d = fine[min(2 * i + 1, last)], fine[min(2 * i + 2, last)]
+        out = coarse[i]
+        for j in range(fine.shape[1]):
+            out[j] = _EDGE * (a[j] + d[j]) + _MIDDLE * (b[j] + c[j])
+
+
+@njit(cache=True, error_model="numpy")
+def _decimated_columns(fine: Float, coarse: Float) -> None:  # pragma: no cover  compiled
+    last = fine.shape[1] - 1
+    count = coarse.shape[1]
+    for i in range(fine.shape[0]):
+        row, out = fine[i], coarse[i]
+        for j in range(count):
+            a, b = row[max(2 * j - 1, 0)], row[2 * j]
+            c, d = row[min(2 * j + 1, last)], row[min(2 * j + 2, last)]
+            out[j] = _EDGE * (a + d) + _MIDDLE * (b + c)
+
+
+@njit(cache=True, error_model="numpy")
+def _spread_rows(coarse: Float, fine: Float) -> None:  # pragma: no cover  compiled
+    """Add the transpose of `_decimated_rows`."""
+    last = fine.shape[0] - 1
+    for i in range(coarse.shape[0]):
+        source = coarse[i]
+        a, b = fine[max(2 * i - 1, 0)], fine[2 * i]
+        for j in range(fine.shape[1]):
+            a[j] += _EDGE * source[j]
+            b[j] += _MIDDLE * source[j]
+        c, d = fine[min(2 * i + 1, last)], fine[min(2 * i + 2, last)]
+        for j in range(fine.shape[1]):
+            c[j] += _MIDDLE * source[j]
+            d[j] += _EDGE * source[j]
+
+
+@njit(cache=True, error_model="numpy")
+def _spread_columns(coarse: Float, fine: Float) -> None:  # pragma: no cover  compiled
+    """Fill the transpose of `_decimated_columns`."""
+    last = fine.shape[1] - 1
+    for i in range(coarse.shape[0]):
+        row, out = coarse[i], fine[i]
+        out[:] = 0.0
+        for j in range(coarse.shape[1]):
+            out[max(2 * j - 1, 0)] += _EDGE * row[j]
+            out[2 * j] += _MIDDLE * row[j]
+            out[min(2 * j + 1, last)] += _MIDDLE * row[j]
+            out[min(2 * j + 2, last)] += _EDGE * row[j]
+
+
+def level_count(shape: tuple[int, ...]) -> int:
+    """Return the number of levels of a height map: floor(log2(min(h, w))), at least one.
+
+    Parameters
+    ----------
+    shape : (h, w)
+
+    Examples
+    --------
+    >>> level_count((268, 379))
+    8
+    """
+    return max(int(math.log2(min(shape))), 1)
+
+
+def decimated(height: Float) -> Float:
+    """Return a map filtered and reduced to half its size, rounded up: D_1 applied to it.
+
+    Parameters
+    ----------
+    height : (h, w) array
+
+    Returns
+    -------
+    (ceil(h / 2), ceil(w / 2)) array
+
+    Examples
+    --------
+    >>> decimated(np.ones((4, 4))).round(6)
+    array([[8., 8.],
+           [8., 8.]])
+    """
+    rows, columns = height.shape
+    half = np.empty((-(-rows // 2), columns))
+    _decimated_rows(np.ascontiguousarray(height), half)
+    quarter = np.empty((half.shape[0], -(-columns // 2)))
+    _decimated_columns(half, quarter)
+    return quarter
+
+
+def spread(coarse: Float, shape: tuple[int, int]) -> Float:
+    """Return the transpose of `decimated` applied to a coarse map.
+
+    Parameters
+    ----------
+    coarse : (ceil(h / 2), ceil(w / 2)) array
+    shape : (h, w)
+
+    Returns
+    -------
+    (h, w) array
+
+    Examples
+    --------
+    >>> a, b = np.random.default_rng(1).normal(size=(2, 7, 5))
+    >>> bool(np.isclose(np.vdot(decimated(a), decimated(b)), np.vdot(a, spread(decimated(b), a.shape))))
+    True
+    """
+    half = np.empty((coarse.shape[0], shape[1]))
+    _spread_columns(np.ascontiguousarray(coarse), half)
+    fine = np.zeros(shape)
+    _spread_rows(half, fine)
+    return fine
+
+
+def pyramid_metric(gradient: Float, levels: int | None = None) -> Float:
+    """Return ``T T' g``: the step in heights of a gradient step in the pyramid's levels.
+
+    Linear in the number of pixels.
+
+    Parameters
+    ----------
+    gradient : (h, w) array
+    levels : int, optional
+        By default `level_count`.
+
+    Returns
+    -------
+    (h, w) array
+
+    Examples
+    --------
+    >>> pyramid_metric(np.ones((2, 2)))
+    array([[1., 1.],
+           [1., 1.]])
+    """
+    stack = [np.asarray(gradient, dtype=np.float64)]
+    for _ in range((level_count(gradient.shape) if levels is None else levels) - 1):
+        stack.append(decimated(stack[-1]))
+    total = stack.pop()
+    while stack:
+        finer = stack.pop()
+        total = finer + spread(total, (finer.shape[0], finer.shape[1]))
+    return total
