@@ -100,58 +100,6 @@ def curvature_of(
             by_rc[j] = with_rc * inverse
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def difference_loss(
-    values: Float,
-    pairs: Runs,
-    table: Float,
-    spacing: float,
-    start_of_table: float,
-    floor: float,
-    gradient: Float,
-    buffer: Float,
-) -> float:  # pragma: no cover  compiled
-    """Return the summed cost of differences over pairs, and add its gradient.
-
-    The cost is a table over ``sqrt(difference^2 + floor^2)``, linear between its knots and beyond.
-
-    Parameters
-    ----------
-    values : (h, w) array
-    pairs : (r, 5) array
-    table : (k,) array
-    spacing, start_of_table : float
-        Of the table's knots.
-    floor : float
-    gradient : (h, w) array
-        Added to.
-    buffer : (w,) array
-        Scratch.
-    """
-    total = 0.0
-    last = table.shape[0] - 2
-    inverse = 1.0 / spacing
-    for k in range(pairs.shape[0]):
-        i, start, stop = pairs[k, 0], pairs[k, 1], pairs[k, 2]
-        shift = pairs[k, 4]
-        first, second = values[i], values[i + pairs[k, 3]]
-        for j in range(start, stop):
-            difference = first[j] - second[j + shift]
-            length = math.sqrt(difference * difference + floor * floor)
-            place = (length - start_of_table) * inverse
-            knot = np.uint32(min(place, float(last)))
-            low = table[knot]
-            rise = table[knot + np.uint32(1)] - low
-            total += low + rise * (place - knot)
-            buffer[j] = rise * inverse * difference / length
-        here, there = gradient[i], gradient[i + pairs[k, 3]]
-        for j in range(start, stop):
-            here[j] += buffer[j]
-        for j in range(start, stop):
-            there[j + shift] -= buffer[j]
-    return total
-
-
 @njit(cache=True, error_model="numpy")
 def curvature_adjoint(
     by_curvature: Float, scale: float, runs: Runs, partials: Float, gradients: Float

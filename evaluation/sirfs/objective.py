@@ -13,13 +13,13 @@ from evaluation.sirfs.height_kernels import (
     FLAT_ENDS,
     curvature_adjoint,
     curvature_of,
-    difference_loss,
     height_adjoint,
     padded_height,
     slant_loss,
     slopes_of,
 )
 from evaluation.sirfs.light_prior import LightWhitening
+from evaluation.sirfs.pair_kernels import LINES, difference_loss
 from evaluation.sirfs.regions import Outline, Runs
 from evaluation.sirfs.scale_mixture import CostTable
 from evaluation.sirfs.settings import TermWeights
@@ -106,7 +106,7 @@ class Objective:
         self._curvature, self._by_curvature = np.zeros((2, rows, columns))
         self._partials = np.zeros((5, rows, columns))
         self._gradients = np.zeros((5, rows + 4, columns + 4))
-        self._line = np.zeros(columns)
+        self._lines = np.zeros((LINES, columns))
         self._buffers = tuple(ViewBuffers.of(view) for view in problem.views)
 
     def __call__(self, height: Float, lights: Float) -> Evaluation:
@@ -127,8 +127,7 @@ class Objective:
             "contour": self.contour_term(),
         }
         by_lights = np.zeros_like(lights)
-        for name, value in self.view_terms(lights, by_lights).items():
-            terms[name] = value
+        terms |= self.view_terms(lights, by_lights)
         by_height = np.empty(self.problem.shape)
         height_adjoint(self._gradients, by_height)
         if self.problem.depth is not None:
@@ -163,7 +162,7 @@ class Objective:
             table.start * scale,
             CURVATURE_FLOOR * scale,
             self._by_curvature,
-            self._line,
+            self._lines,
         )
         curvature_adjoint(self._by_curvature, weight, problem.runs, self._partials, self._gradients)
         return weight * summed

@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from evaluation.sirfs.albedo_kernels import (
-    add_mixed_channels,
-    color_difference_loss,
-    mixed_channels,
-)
+from evaluation.sirfs.albedo_kernels import add_mixed_channels, mixed_channels
 from evaluation.sirfs.entropy import HistogramCost
-from evaluation.sirfs.height_kernels import difference_loss
+from evaluation.sirfs.pair_kernels import LINES, color_difference_loss, difference_loss
 from evaluation.sirfs.priors import SirfsPriors
 from evaluation.sirfs.regions import Runs, pair_runs, runs_of
 from evaluation.sirfs.scale_mixture import CostTable
@@ -129,13 +125,13 @@ class ViewBuffers:
     mixed: Float
     by_mixed: Float
     by_albedo: Float
-    line: Float
+    lines: Float
 
     @classmethod
     def of(cls, view: View) -> ViewBuffers:
         """Return buffers for a view."""
         shape = view.log_image.shape
-        return cls(*(np.zeros(shape) for _ in range(4)), np.zeros((3, shape[-1])))
+        return cls(*(np.zeros(shape) for _ in range(4)), np.zeros((LINES, shape[-1])))
 
 
 def view_loss(
@@ -178,7 +174,7 @@ def _gray_terms(view: View, buffers: ViewBuffers) -> dict[str, float]:
             table.start,
             _SMALLEST_DIFFERENCE,
             gradient,
-            buffers.line[0],
+            buffers.lines,
         )
         gradient *= view.smoothness
     entropy, absolute = view.histogram.gray(buffers.albedo[0], view.runs, gradient)
@@ -194,7 +190,7 @@ def _color_terms(view: View, buffers: ViewBuffers) -> dict[str, float]:
         mixed_channels(buffers.albedo, view.white, runs, mixed)
         by_mixed[:] = 0.0
         summed = color_difference_loss(
-            mixed, view.pairs, table.values, table.spacing, _COLOR_FLOOR, by_mixed, buffers.line
+            mixed, view.pairs, table.values, table.spacing, _COLOR_FLOOR, by_mixed, buffers.lines
         )
         back = np.ascontiguousarray(view.white.T)
         add_mixed_channels(by_mixed, back, view.smoothness, runs, buffers.by_albedo)
