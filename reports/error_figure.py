@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from reports.figures import PlotFigure
-from reports.style import BLUE, INK, ORANGE, RULE, VERMILION, page_svg, plot_style
+from reports.style import BLUE, GREEN, INK, ORANGE, RULE, VERMILION, page_svg, plot_style
 from reports.subject import Subject
-from reports.table1_entries import measured, published
+from reports.table1_entries import NO_RULE, Key, entry_words, has_rival, measured, published
 
 MARKS = {
     "coarse": ("o", VERMILION),
@@ -20,8 +20,8 @@ MARKS = {
     "oracle": ("D", BLUE),
 }
 """Shape and colour of a weight rule: either alone tells them apart."""
+RIVAL_MARK = ("^", GREEN)
 REFERENCE = ("natural", "default", "regression")
-SOURCES = {"default": "default", "gt-shading": "GT S"}
 
 
 def object_error_figure(subject: Subject) -> PlotFigure:
@@ -43,21 +43,28 @@ def object_error_figure(subject: Subject) -> PlotFigure:
         for axis, setting in zip(axes, subject.settings, strict=True):
             _draw_objects(axis, errors, names, setting)
         handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(MARKS))
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
         svg = page_svg(figure, "object-errors")
     return PlotFigure(
         "object-errors",
         "Error of every object",
         "Mean relative error of each object over the lights of the table, detail source"
         " “default”, on a logarithmic axis; the hardest object is at the top. The line joins the"
-        " three weight rules of one object. All values are in the table below.",
+        f" three weight rules of one object{_rival_words(subject)}. All values are in the table"
+        " below.",
         svg,
         _extremes(errors, names, subject.settings),
     )
 
 
+def _rival_words(subject: Subject) -> str:
+    return "; B+M is the SIRFS of the table" if has_rival(subject.document) else ""
+
+
 def relative_errors(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
     """Return relative IMSE by (object, setting, rule) for the source ``default``.
+
+    The rule ``none`` is B+M.
 
     Parameters
     ----------
@@ -73,7 +80,7 @@ def relative_errors(document: dict[str, Any]) -> dict[tuple[str, str, str], floa
             np.nan if row["relative_imse"] is None else row["relative_imse"]
         )
         for row in document["objects"]
-        if row["detail_source"] == "default" and row["weights"] in MARKS
+        if row["detail_source"] == "default" and row["weights"] in {*MARKS, NO_RULE}
     }
 
 
@@ -88,14 +95,18 @@ def _draw_objects(
     places = np.arange(len(names))[::-1]
     values = {
         rule: 100 * np.array([errors.get((name, setting, rule), np.nan) for name in names])
-        for rule in MARKS
+        for rule in (*MARKS, NO_RULE)
     }
+    rival = values.pop(NO_RULE)
     stacked = np.stack(list(values.values()))
     known = np.isfinite(stacked).any(axis=0)
     ends = [reduce(stacked[:, known], axis=0) for reduce in (np.nanmin, np.nanmax)]
     axis.hlines(places[known], *ends, color=RULE, linewidth=2.2)
     for rule, (marker, colour) in MARKS.items():
         axis.plot(values[rule], places, marker, color=colour, label=rule, linestyle="none")
+    if np.isfinite(rival).any():
+        marker, colour = RIVAL_MARK
+        axis.plot(rival, places, marker, color=colour, label="B+M", linestyle="none")
     axis.set_title(setting)
     axis.set_xlabel("IMSE over mean I², percent")
     axis.set_yticks(places, names)
@@ -137,7 +148,7 @@ def table_shape_figure(subject: Subject) -> PlotFigure:
     PlotFigure
     """
     ours, theirs = measured(subject.document), published(subject.document)
-    keys = [key for key in theirs if key[1] in SOURCES]
+    keys = list(theirs)
     with plot_style():
         figure = Figure(figsize=(9.6, 1.0 + 0.3 * len(keys)), layout="constrained")
         axis = figure.subplots()
@@ -147,11 +158,11 @@ def table_shape_figure(subject: Subject) -> PlotFigure:
     return PlotFigure(
         "table-shape",
         "The shape of the table, ours against the paper's",
-        "Each table divided by its own entry “natural, default, regression”, which takes out the"
+        "Each table divided by its own entry “natural, (a) default, regression”, which takes out the"
         " unknown scale of the lights. What then remains is the order and the proportions.",
         svg,
         "; ".join(
-            f"{', '.join(_words(key))}: published {a:.2f}, here {_in_words(b)}"
+            f"{entry_words(key)}: published {a:.2f}, here {_in_words(b)}"
             for key, a, b in zip(keys, _relative(theirs, keys), _relative(ours, keys), strict=True)
         ),
     )
@@ -161,14 +172,12 @@ def _in_words(value: float) -> str:
     return f"{value:.2f}" if np.isfinite(value) else "not measured"
 
 
-def _relative(
-    table: dict[tuple[str, str, str], float], keys: list[tuple[str, str, str]]
-) -> list[float]:
+def _relative(table: dict[Key, float], keys: list[Key]) -> list[float]:
     unit = table.get(REFERENCE, np.nan)
     return [table.get(key, np.nan) / unit if unit else np.nan for key in keys]
 
 
-def _draw_shape(axis: Axes, tables: list[list[float]], keys: list[tuple[str, str, str]]) -> None:
+def _draw_shape(axis: Axes, tables: list[list[float]], keys: list[Key]) -> None:
     places = np.arange(len(keys))[::-1]
     published_values, own_values = tables
     axis.hlines(places, published_values, own_values, color=RULE, linewidth=2.2)
@@ -184,11 +193,6 @@ def _draw_shape(axis: Axes, tables: list[list[float]], keys: list[tuple[str, str
     )
     axis.plot(own_values, places, "D", color=BLUE, label="measured here", linestyle="none")
     axis.axvline(1.0, color=RULE, linewidth=1.0)
-    axis.set_yticks(places, [", ".join(_words(key)) for key in keys])
-    axis.set_xlabel("error over that of natural, default, regression")
+    axis.set_yticks(places, [entry_words(key) for key in keys])
+    axis.set_xlabel(f"error over that of {entry_words(REFERENCE)}")
     axis.set_xlim(left=0)
-
-
-def _words(key: tuple[str, str, str]) -> tuple[str, str, str]:
-    setting, source, rule = key
-    return setting, SOURCES[source], rule

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 RULES = ("coarse", "default", "manual", "regression", "oracle")
 """Weight rules in the order of the page's columns."""
 PUBLISHED_RULES = ("regression", "oracle")
-OPEN = "open: needs SIRFS"
+LEFT_OUT = "left out by --quick"
+"""In place of the entries that need SIRFS, in a run without it."""
 MISSING = "missing"
 ALIKE = 0.1
 """Ratios that differ from one by no more than this are called alike."""
@@ -20,6 +22,10 @@ ROWS = (
 )
 """Rows of the published table: title, method, detail source."""
 SOURCE_TITLES = {source: title for title, method, source in ROWS if method == "ours"}
+RIVAL, NO_RULE = "sirfs", "none"
+"""Method of the row of B+M, and what stands there for a weight rule."""
+Key = tuple[str, str, str]
+"""Setting, detail source and weight rule of an entry; of B+M: setting, `RIVAL`, `NO_RULE`."""
 BASELINE = "Retinex albedo, flat shape"
 
 
@@ -63,8 +69,8 @@ class Entry:
 class EntryRow:
     """One row of Table 1 in one setting: its title and its entries by weight rule.
 
-    A row of B + M has the single entry ``none``; the baseline only ``coarse``; a row of a user's
-    method or weight rule only ``own``.
+    The row of B+M has the single entry ``none``; the baseline only ``coarse``; a row of a user's
+    method or weight rule only ``own``. A row is open if the run left it out.
     """
 
     title: str
@@ -91,8 +97,8 @@ def table1_rows(document: dict[str, Any], setting: str) -> tuple[EntryRow, ...]:
     return (*rows, *_own_rows(document, setting), EntryRow(BASELINE, {"coarse": entry}))
 
 
-def measured(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
-    """Return our IMSE by (setting, detail source, weight rule), without the missing.
+def measured(document: dict[str, Any]) -> dict[Key, float]:
+    """Return our IMSE of the entries of the published table, without the missing.
 
     Parameters
     ----------
@@ -105,8 +111,8 @@ def measured(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
     return _by_key(document["rows"])
 
 
-def published(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
-    """Return the published IMSE of the paper's own method by the same keys.
+def published(document: dict[str, Any]) -> dict[Key, float]:
+    """Return the published IMSE by the same keys.
 
     Parameters
     ----------
@@ -119,10 +125,58 @@ def published(document: dict[str, Any]) -> dict[tuple[str, str, str], float]:
     return _by_key(document["published"])
 
 
+def entry_words(key: Key) -> str:
+    """Return an entry of the published table in words.
+
+    Parameters
+    ----------
+    key : tuple of str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> entry_words(("natural", "gt-shading", "oracle")), entry_words(("natural", "sirfs", "none"))
+    ('natural, (c) GT S, oracle', 'natural, B+M')
+    """
+    setting, source, rule = key
+    return f"{setting}, B+M" if source == RIVAL else f"{setting}, {SOURCE_TITLES[source]}, {rule}"
+
+
+def is_quick(document: Mapping[str, Any]) -> bool:
+    """Return whether a result was made without SIRFS.
+
+    Parameters
+    ----------
+    document : mapping
+
+    Returns
+    -------
+    bool
+    """
+    return bool(document.get("quick"))
+
+
+def has_rival(document: Mapping[str, Any]) -> bool:
+    """Return whether a result has rows of SIRFS.
+
+    Parameters
+    ----------
+    document : mapping
+
+    Returns
+    -------
+    bool
+    """
+    return any(_key(row)[1] == RIVAL for row in document["rows"])
+
+
 def missing_reasons(document: dict[str, Any], objects_in_set: int) -> tuple[str, ...]:
     """Return why a result is not the whole table, in words; empty if it is.
 
-    Entries that need SIRFS are open for everyone and do not count.
+    Entries that a quick run leaves out do not count.
 
     Parameters
     ----------
@@ -150,15 +204,12 @@ def missing_reasons(document: dict[str, Any], objects_in_set: int) -> tuple[str,
 def _row(document: dict[str, Any], setting: str, title: str, method: str, source: str) -> EntryRow:
     key = {"setting": setting, "method": method, "detail_source": source}
     is_open = any(key.items() <= entry.items() for entry in document["open"])
-    if method == "sirfs" and is_open:
-        printed = _find(document["published"], key | {"weights": "none"})
-        value = printed["imse"] if printed else None
-        return EntryRow(title, {"none": Entry(published=value, absent=OPEN)}, is_open)
+    absent = LEFT_OUT if is_open and is_quick(document) else MISSING
     entries = {}
-    for rule in RULES:
+    for rule in (NO_RULE,) if method == RIVAL else RULES:
         ours = _find(document["rows"], key | {"weights": rule})
         printed = _find(document["published"], key | {"weights": rule})
-        entries[rule] = _entry(ours, printed, OPEN if is_open else MISSING)
+        entries[rule] = _entry(ours, printed, absent)
     return EntryRow(title, entries, is_open)
 
 
@@ -180,7 +231,7 @@ def _own_rows(document: dict[str, Any], setting: str) -> list[EntryRow]:
 
 
 def _is_own(row: dict[str, Any]) -> bool:
-    return row["method"] != "ours" or row["weights"] not in RULES
+    return _key(row)[1] != RIVAL and (row["method"] != "ours" or row["weights"] not in RULES)
 
 
 def _entry(
@@ -196,9 +247,14 @@ def _find(rows: list[dict[str, Any]], key: dict[str, str]) -> dict[str, Any] | N
     return next((row for row in rows if key.items() <= row.items()), None)
 
 
-def _by_key(rows: list[dict[str, Any]]) -> dict[tuple[str, str, str], float]:
+def _by_key(rows: list[dict[str, Any]]) -> dict[Key, float]:
     return {
-        (row["setting"], row["detail_source"], row["weights"]): row["imse"]
+        _key(row): row["imse"]
         for row in rows
-        if row["method"] == "ours" and row["imse"] is not None
+        if row["imse"] is not None and (row["method"] == "ours" or _key(row)[1] == RIVAL)
     }
+
+
+def _key(row: dict[str, Any]) -> Key:
+    cell = row["method"], row["detail_source"], row["weights"]
+    return row["setting"], RIVAL if cell == (RIVAL, "default", NO_RULE) else cell[1], cell[2]

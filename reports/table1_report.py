@@ -36,21 +36,16 @@ from reports.pdf_renderer import write_pdf
 from reports.pictures import diverging_stops
 from reports.rows_behind import Rows, rows_behind
 from reports.subject import Subject
-from reports.table1_entries import missing_reasons
-from reports.table1_tables import (
-    entry_table,
-    missing_words,
-    object_table,
-    own_object_table,
-    provenance_table,
-    rows_table,
-)
+from reports.table1_entries import is_quick, missing_reasons
+from reports.table1_objects import object_table, own_object_table
+from reports.table1_tables import entry_table, missing_words, provenance_table, rows_table
 from reports.table1_verdict import Finding, detail_effect, table1_verdict
 from reports.table1_words import (
     COMPARABLE,
     DETAIL_EFFECT,
     METHOD,
     PHOTOGRAPHS,
+    QUICK_STAMP,
     SYNTHETIC_STAMP,
 )
 from shading_model.errors import RelightlabError
@@ -186,6 +181,8 @@ def _lead(subject: Subject) -> str:
 def _stamps(subject: Subject) -> Iterable[Stamp]:
     if subject.dataset.name == SYNTHETIC:
         yield SYNTHETIC_STAMP
+    if is_quick(subject.document):
+        yield QUICK_STAMP
     reasons = missing_reasons(subject.document, len(subject.dataset.objects))
     missing = missing_words(subject.document)
     if reasons or missing:

@@ -1,4 +1,4 @@
-"""Table 1 as text: every entry with the published value beside it, open entries in sight."""
+"""Table 1 as text: every entry with the published value beside it, what is left out in sight."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from typing import Any
 
 import typer
 
+from reports.table1_entries import LEFT_OUT, NO_RULE, RIVAL, is_quick
+
 COLUMNS = ("setting", "method", "details", "weights", "IMSE", "relative", "published")
 TITLE = "Table 1: re-rendering error (published: on MIT-Berkeley, under other lights)"
-OPEN = "open: needs SIRFS"
+RIVAL_WORDS = ("B + M", "SIRFS", "none")
+"""Method, details and weights of the row of SIRFS itself."""
 INCOMPLETE = 3
 """Exit code of a command whose table lacks cells."""
 SHOWN_MISSING = 10
@@ -24,7 +27,7 @@ Row = Mapping[str, Any]
 
 
 def table1_lines(document: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Return the lines of the printed table, one for each computed or open entry.
+    """Return the lines of the printed table, one for each entry, measured or left out.
 
     Parameters
     ----------
@@ -53,7 +56,7 @@ def table1_lines(document: Mapping[str, Any]) -> list[tuple[str, ...]]:
 
 
 def table1_title(document: Mapping[str, Any]) -> str:
-    """Return the title of the printed table, which says if cells are missing.
+    """Return the title of the printed table, which says what is left out and what is missing.
 
     Parameters
     ----------
@@ -68,11 +71,14 @@ def table1_title(document: Mapping[str, Any]) -> str:
     --------
     >>> table1_title({"missing": [{"object": "sun", "reason": "not measured"}]})[:27]
     'INCOMPLETE, 1 cell missing.'
+    >>> table1_title({"missing": [], "quick": True})[:21]
+    'QUICK, without SIRFS.'
     """
     missing = len(document["missing"])
-    if not missing:
-        return TITLE
-    return f"INCOMPLETE, {missing} cell{'s' if missing > 1 else ''} missing. {TITLE}"
+    stamps = ["QUICK, without SIRFS."] if is_quick(document) else []
+    if missing:
+        stamps.append(f"INCOMPLETE, {missing} cell{'s' if missing > 1 else ''} missing.")
+    return " ".join([*stamps, TITLE])
 
 
 def summary_lines(document: Mapping[str, Any]) -> list[str]:
@@ -93,10 +99,8 @@ def summary_lines(document: Mapping[str, Any]) -> list[str]:
         f"{origin['dataset']}: {objects} objects under {protocol['lights']} lights, protocol"
         f" {protocol['name']} version {protocol['version']}, {protocol['channels']}"
     )
-    counted = (
-        f"{origin['cells_done']} cells done, {origin['cells_missing']} missing;"
-        f" {len(document['open'])} table entries open (they need SIRFS)"
-    )
+    left_out = "; rows (b) and B+M left out by --quick" if is_quick(document) else ""
+    counted = f"{origin['cells_done']} cells done, {origin['cells_missing']} missing{left_out}"
     came_from = (
         f"{origin['seconds']:.1f} s, workers: {origin['workers']},"
         f" code {origin['commit'][:12]}, data {origin['data_hash'][:12]}"
@@ -131,38 +135,51 @@ def stop_if_incomplete(document: Mapping[str, Any]) -> None:
 
 
 def _setting_lines(document: Mapping[str, Any], setting: str) -> list[tuple[str, ...]]:
+    rows = [row for row in document["rows"] if row["setting"] == setting]
     flat = [row for row in document["baselines"] if row["setting"] == setting]
-    lines = [_line(row, ("flat shape, Retinex", "constant"), "-") for row in flat]
-    lines += _open_lines(document, setting, "sirfs")
+    lines = [_line(row, (row["method"], "flat shape, Retinex", "constant"), "-") for row in flat]
+    lines += [_line(r, RIVAL_WORDS, _published(document, r)) for r in rows if _is_rival(r)]
+    lines += _left_out_lines(document, setting, RIVAL)
     for source, words in DETAILS.items():
         lines += [
-            _line(row, (words, row["weights"]), _published(document, row))
-            for row in document["rows"]
-            if (row["setting"], row["detail_source"]) == (setting, source)
+            _line(row, (row["method"], words, row["weights"]), _published(document, row))
+            for row in rows
+            if row["detail_source"] == source and not _is_rival(row)
         ]
         if source == "sirfs-shading":
-            lines += _open_lines(document, setting, "ours")
+            lines += _left_out_lines(document, setting, "ours")
     return lines
 
 
-def _line(row: Row, words: tuple[str, str], published: str) -> tuple[str, ...]:
+def _is_rival(row: Row) -> bool:
+    """Return whether a row is that of SIRFS itself, which has no weights to choose."""
+    cell = row["method"], row["detail_source"], row["weights"]
+    return cell == (RIVAL, "default", NO_RULE)
+
+
+def _line(row: Row, words: tuple[str, str, str], published: str) -> tuple[str, ...]:
     numbers = _number(row["imse"], 5), _number(row["relative_imse"], 3)
-    return (row["setting"], row["method"], *words, *numbers, published)
+    return (row["setting"], *words, *numbers, published)
 
 
-def _open_lines(document: Mapping[str, Any], setting: str, method: str) -> list[tuple[str, ...]]:
-    still_open = {(e["setting"], e["method"], e["detail_source"]) for e in document["open"]}
-    return [
-        (setting, method.upper(), "-", "-", OPEN, "-", _number(entry["imse"], 4))
-        if method == "sirfs"
-        else (
-            *(setting, method, DETAILS[entry["detail_source"]], entry["weights"]),
-            *(OPEN, "-", _number(entry["imse"], 4)),
-        )
+def _left_out_lines(
+    document: Mapping[str, Any], setting: str, method: str
+) -> list[tuple[str, ...]]:
+    """Return the published entries of a method that a quick run leaves out."""
+    left_out = {(e["setting"], e["method"], e["detail_source"]) for e in document["open"]}
+    found = [
+        entry
         for entry in document["published"]
-        if entry["setting"] == setting
-        and entry["method"] == method
-        and (setting, method, entry["detail_source"]) in still_open
+        if (entry["setting"], entry["method"]) == (setting, method)
+        and (setting, method, entry["detail_source"]) in left_out
+    ]
+    return [
+        (
+            setting,
+            *(RIVAL_WORDS if _is_rival(e) else (method, DETAILS[e["detail_source"]], e["weights"])),
+            *(LEFT_OUT, "-", _number(e["imse"], 4)),
+        )
+        for e in found
     ]
 
 
@@ -176,12 +193,16 @@ def _published(document: Mapping[str, Any], row: Row) -> str:
 
 def _comparison(document: Mapping[str, Any], setting: str) -> str:
     found = {
-        row["weights"]: f"{row['weights']} {_number(row['imse'], 5)}"
-        f" ({_published(document, row)} published)"
+        "B+M" if _is_rival(row) else row["weights"]: row
         for row in document["rows"]
-        if (row["setting"], row["method"], row["detail_source"]) == (setting, "ours", "default")
+        if row["setting"] == setting
+        and (_is_rival(row) or (row["method"], row["detail_source"]) == ("ours", "default"))
     }
-    shown = [found[rule] for rule in ("regression", "oracle") if rule in found]
+    shown = [
+        f"{words} {_number(row['imse'], 5)} ({_published(document, row)} published)"
+        for words in ("regression", "oracle", "B+M")
+        if (row := found.get(words))
+    ]
     return f"{setting}: IMSE {', '.join(shown) or 'not measured'}"
 
 

@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from reports.table1_entries import PUBLISHED_RULES, measured, published
-
-Errors = dict[tuple[str, str, str], float]
-"""IMSE by (setting, detail source, weight rule)."""
-Comparison = tuple[str, float, float]
-"""Where, the value that should be lower, the value that should be higher."""
-
-SETTINGS = ("natural", "laboratory")
-SOURCES = {"default": "default", "gt-shading": "GT S"}
+from reports.table1_entries import measured, published
+from reports.table1_orderings import FINDINGS, SETTINGS, SOURCES, Comparison
 
 
 @dataclass(frozen=True)
@@ -125,55 +117,6 @@ def detail_effect(document: dict[str, Any]) -> tuple[Finding, ...]:
         )
         for rule in ("oracle", "regression", "manual", "default")
     )
-
-
-def _oracle_below_regression(errors: Errors) -> list[Comparison]:
-    return [
-        (f"{setting}, {words}", errors[setting, source, "oracle"], errors[higher])
-        for setting in SETTINGS
-        for source, words in SOURCES.items()
-        if (higher := (setting, source, "regression")) in errors
-        and (setting, source, "oracle") in errors
-    ]
-
-
-def _true_shading_below_default(errors: Errors) -> list[Comparison]:
-    return [
-        (f"{setting}, {rule}", errors[setting, "gt-shading", rule], errors[higher])
-        for setting in SETTINGS
-        for rule in PUBLISHED_RULES
-        if (higher := (setting, "default", rule)) in errors
-        and (setting, "gt-shading", rule) in errors
-    ]
-
-
-def _natural_below_laboratory(errors: Errors) -> list[Comparison]:
-    return [
-        (rule, errors["natural", "default", rule], errors[higher])
-        for rule in PUBLISHED_RULES
-        if (higher := ("laboratory", "default", rule)) in errors
-        and ("natural", "default", rule) in errors
-    ]
-
-
-def _true_shading_narrows_the_gap(errors: Errors) -> list[Comparison]:
-    comparisons = []
-    for rule in PUBLISHED_RULES:
-        keys = [(setting, source, rule) for source in SOURCES for setting in SETTINGS]
-        if all(key in errors and errors[key] > 0 for key in keys):
-            natural, laboratory, true_natural, true_laboratory = (errors[key] for key in keys)
-            gap = (true_laboratory / true_natural, laboratory / natural)
-            comparisons.append((f"laboratory over natural, {rule}", *gap))
-    return comparisons
-
-
-FINDINGS: dict[str, Callable[[Errors], list[Comparison]]] = {
-    "Oracle weights give a lower error than regressed ones": _oracle_below_regression,
-    "The true shading (GT S) gives a lower error than the default": _true_shading_below_default,
-    "With the default, natural models err less than laboratory ones": _natural_below_laboratory,
-    "The true shading narrows the gap between the settings": _true_shading_narrows_the_gap,
-}
-"""The orderings of the published Table 1 that need no SIRFS; a new one is a line here."""
 
 
 def _finding(statement: str, comparisons: list[Comparison]) -> Finding:

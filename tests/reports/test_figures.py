@@ -222,8 +222,8 @@ def test_plots_name_every_object_and_entry(small_result: SmallResult) -> None:
     objects, shape = object_error_figure(subject), table_shape_figure(subject)
     texts = [element.text for element in read_html(objects.svg).all("text")]
     assert set(OBJECTS) | {"natural", "laboratory", "coarse", "oracle"} <= set(texts)
-    assert "laboratory, GT S, oracle" in read_html(shape.svg).text
-    assert "natural, default, regression: published 1.00, here 1.00" in shape.description
+    assert "laboratory, (c) GT S, oracle" in read_html(shape.svg).text
+    assert "natural, (a) default, regression: published 1.00, here 1.00" in shape.description
 
 
 def test_plots_bear_missing_values(small_result: SmallResult) -> None:

@@ -13,9 +13,11 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from tests.reports.small_result import small_page, small_result
+from reports.table1_report import PAGE
+from tests.reports.rival_rows import left_out
+from tests.reports.small_result import SmallResult, small_result
 
-__all__ = ["small_page", "small_result"]
+__all__ = ["small_result"]
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 DARKEST_LIGHT_PAGE, LIGHTEST_DARK_PAGE = 200, 60
@@ -41,10 +43,18 @@ def start_browser() -> Chrome:
 
 
 @pytest.fixture(scope="module")
-def browser(small_page: Path) -> Iterator[Chrome]:
-    """A browser that shows the small page."""
+def page(small_result: SmallResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A page with everything on it: SIRFS in one setting, entries left out in the other."""
+    folder = tmp_path_factory.mktemp("report")
+    small_result.write(folder, **left_out(small_result.document, ("natural",)))
+    return folder / PAGE
+
+
+@pytest.fixture(scope="module")
+def browser(page: Path) -> Iterator[Chrome]:
+    """A browser that shows the page."""
     driver = start_browser()
-    driver.get(small_page.as_uri())
+    driver.get(page.as_uri())
     yield driver
     driver.quit()
 

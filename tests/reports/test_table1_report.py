@@ -10,11 +10,12 @@ from typing import Any
 
 import pytest
 
-from reports.table1_entries import BASELINE, Entry, missing_reasons, table1_rows
+from reports.table1_entries import BASELINE, LEFT_OUT, Entry, missing_reasons, table1_rows
 from reports.table1_report import PAGE, PRINTED, protocol_sections, write_report
 from reports.table1_verdict import detail_effect, table1_verdict
 from shading_model.errors import RelightlabError
 from tests.reports.html_outline import Element, read_html
+from tests.reports.rival_rows import left_out
 from tests.reports.small_result import (
     OBJECTS,
     SmallResult,
@@ -37,9 +38,7 @@ def outline(small_page: Path) -> Element:
 
 def published_alone(document: dict[str, Any]) -> dict[str, Any]:
     """Return a document whose measured rows are the published ones, a tenth as large."""
-    scaled = [row | {"imse": row["imse"] / 10} for row in document["published"]]
-    rows = [row for row in scaled if row["method"] == "ours"]
-    return document | {"rows": [row for row in rows if row["detail_source"] != "sirfs-shading"]}
+    return document | {"rows": [row | {"imse": row["imse"] / 10} for row in document["published"]]}
 
 
 def test_page_has_one_heading_a_title_and_a_language(outline: Element) -> None:
@@ -126,11 +125,11 @@ def test_numbers_are_those_of_the_document(outline: Element, small_result: Small
         row.entries[rule]
         for setting in ("natural", "laboratory")
         for row in table1_rows(document, setting)
-        for rule in ("regression", "oracle")
+        for rule in ("regression", "oracle", "none")
         if rule in row.entries
     ]
     known = {f"{e.ratio:.2f} {e.word}" for e in compared if e.ratio is not None}
-    assert sum(e.ratio is not None for e in compared) == 8
+    assert sum(e.ratio is not None for e in compared) == 14
     assert known <= set(shown)
 
 
@@ -155,15 +154,41 @@ def test_values_by_object_are_those_of_the_document(
                 assert f"{row['imse']:.5f}" in rows[row["object"]].text
 
 
-def test_entries_that_need_sirfs_are_open(outline: Element) -> None:
-    """Rows (b) and B+M say that they are open, in both settings, and show no number of ours."""
-    rows = outline.all("table")[0].all("tr")
+def test_sirfs_stands_once_beside_both_rules(outline: Element, small_result: SmallResult) -> None:
+    """The row of B+M has one number, one published value and no weights to choose."""
+    rows = [row for row in outline.all("table")[0].all("tr") if row.all("th")[0].text == "B+M"]
+    ours = [row["imse"] for row in small_result.document["rows"] if row["method"] == "sirfs"]
+    assert len(rows) == len(ours) == 2
+    for row, imse in zip(rows, ours, strict=True):
+        assert f"{imse:.5f}" in row.text
+        assert "no weights to choose" in row.text
+        assert len([cell for cell in row.all("td") if "published" in cell.attributes["class"]]) == 1
+
+
+def test_quick_run_is_stamped_and_not_incomplete(small_result: SmallResult, tmp_path: Path) -> None:
+    """Without SIRFS the head, each table and the rows say so; the run lacks nothing else."""
+    outline = read_html(small_result.write(tmp_path, **left_out(small_result.document)))
+    header = outline.one("header").text
+    assert "QUICK Without SIRFS" in header
+    assert "INCOMPLETE" not in outline.text
+    entries, *by_object = outline.all("table")[:3]
+    assert entries.one("caption").text.startswith("QUICK: without SIRFS.")
     for title, published in (("(b) B+M S", 2), ("B+M", 1)):
-        own = [row for row in rows if row.all("th")[0].text == title]
-        assert len(own) == 2
-        for row in own:
-            assert "open: needs SIRFS" in row.text
+        rows = [row for row in entries.all("tr") if row.all("th")[0].text == title]
+        assert len(rows) == 2
+        for row in rows:
+            assert LEFT_OUT in row.text
             assert len(re.findall(r"\d\.\d+", row.text)) == published
+    assert all("B+M" not in table.one("thead").text for table in by_object)
+
+
+def test_values_of_sirfs_stand_by_object(outline: Element, small_result: SmallResult) -> None:
+    """Each object's error of B+M and of the models with its shading are in the tables by object."""
+    tables = outline.one("main").one("details").all("table")
+    shown = {cell.text for table in tables for cell in table.all("td")}
+    for row in small_result.document["objects"]:
+        if row["weights"] in {"none", "oracle"}:
+            assert f"{row['imse']:.5f}" in shown
 
 
 def test_synthetic_set_is_stamped(outline: Element) -> None:
@@ -254,8 +279,15 @@ def test_published_values_confirm_themselves(small_result: SmallResult) -> None:
     """Every ordering holds for the published table itself, whatever its scale."""
     verdict = table1_verdict(published_alone(small_result.document))
     assert {finding.state for finding in verdict.findings} == {"holds"}
+    assert (verdict.pairs_alike, verdict.pairs) == (91, 91)
+    assert verdict.sentence.startswith("All 8 of the paper's orderings")
+
+
+def test_quick_run_is_judged_on_what_it_has(small_result: SmallResult) -> None:
+    """Without SIRFS, the orderings that need it are not measured and the others are judged."""
+    verdict = table1_verdict(left_out(published_alone(small_result.document)))
+    assert [finding.state for finding in verdict.findings] == ["holds"] * 4 + ["not measured"] * 4
     assert (verdict.pairs_alike, verdict.pairs) == (28, 28)
-    assert verdict.sentence.startswith("All 4 of the paper's orderings")
 
 
 def test_reversed_values_contradict_the_paper(small_result: SmallResult) -> None:
@@ -265,7 +297,7 @@ def test_reversed_values_contradict_the_paper(small_result: SmallResult) -> None
     verdict = table1_verdict(document | {"rows": rows})
     assert {finding.state for finding in verdict.findings} == {"does not hold"}
     assert verdict.pairs_alike == 0
-    assert verdict.sentence.startswith("0 of the 4 of the paper's orderings")
+    assert verdict.sentence.startswith("0 of the 8 of the paper's orderings")
 
 
 def test_one_contrary_value_is_named(small_result: SmallResult) -> None:
@@ -276,7 +308,7 @@ def test_one_contrary_value_is_named(small_result: SmallResult) -> None:
         row | ({"imse": 1.0} if contrary.items() <= row.items() else {}) for row in document["rows"]
     ]
     finding = table1_verdict(document | {"rows": rows}).findings[0]
-    assert (finding.state, finding.held, finding.compared) == ("holds in part", 3, 4)
+    assert (finding.state, finding.held, finding.compared) == ("holds in part", 5, 6)
     assert "natural, default: 1.00 ≥ 0.0036" in finding.evidence
 
 

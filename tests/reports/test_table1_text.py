@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
-from reports.table1_text import COLUMNS, OPEN, TITLE, summary_lines, table1_lines, table1_title
+from evaluation.published_table1 import PUBLISHED
+from reports.table1_entries import LEFT_OUT
+from reports.table1_text import COLUMNS, TITLE, summary_lines, table1_lines, table1_title
+from tests.reports.rival_rows import left_out
 
 RULES = ("coarse", "default", "regression", "oracle", "manual")
 
@@ -25,17 +27,23 @@ def entry(setting: str, source: str, rule: str, imse: float | None) -> dict[str,
 def document(imse: float | None = 0.01) -> dict[str, Any]:
     """Return a document in which every error is the same."""
     settings = ("natural", "laboratory")
+    rival = [entry(s, "default", "none", imse) | {"method": "sirfs"} for s in settings]
     return {
         "rows": [
             entry(setting, source, rule, imse)
             for setting in settings
-            for source in ("default", "gt-shading")
+            for source in ("default", "sirfs-shading", "gt-shading")
             for rule in RULES
-        ],
+        ]
+        + rival,
         "baselines": [entry(setting, "flat", "coarse", imse) for setting in settings],
         "published": list(PUBLISHED),
-        "open": list(OPEN_ENTRIES),
-        "objects": [{"object": name} for name in ("a", "b", "a")],
+        "open": [],
+        "objects": [
+            {"object": name, "detail_source": "default", "weights": "oracle"}
+            for name in ("a", "b", "a")
+        ],
+        "missing": [],
         "protocol": {"name": "table-1", "version": 1, "lights": 20, "channels": "gray"},
         "provenance": {
             "dataset": "mit-berkeley",
@@ -50,16 +58,25 @@ def document(imse: float | None = 0.01) -> dict[str, Any]:
 
 
 def test_every_entry_is_a_line() -> None:
-    """Per setting: a flat shape, SIRFS, five rules of two sources, and two open entries."""
+    """Per setting: a flat shape, SIRFS, and five rules of three sources."""
     lines = table1_lines(document())
     assert lines.count(()) == 1
-    assert len(lines) == 2 * (1 + 1 + 10 + 2) + 1
+    assert len(lines) == 2 * (1 + 1 + 15) + 1
     assert {len(line) for line in lines if line} == {len(COLUMNS)}
 
 
-def test_open_entries_stay_in_sight() -> None:
-    """What needs SIRFS says so, beside the published value, and has no number of ours."""
-    lines = [line for line in table1_lines(document()) if OPEN in line]
+def test_sirfs_has_a_line_of_its_own() -> None:
+    """B + M stands once for each setting, with its number, beside the published one."""
+    lines = [line for line in table1_lines(document()) if line[1:2] == ("B + M",)]
+    assert lines == [
+        ("natural", "B + M", "SIRFS", "none", "0.01000", "0.100", "0.0172"),
+        ("laboratory", "B + M", "SIRFS", "none", "0.01000", "0.100", "0.0372"),
+    ]
+
+
+def test_what_a_quick_run_leaves_out_stays_in_sight() -> None:
+    """Rows (b) and B + M say so, beside the published value, and have no number of ours."""
+    lines = [line for line in table1_lines(left_out(document())) if LEFT_OUT in line]
     assert len(lines) == 6
     assert {line[5] for line in lines} == {"-"}
     published = {f"{row['imse']:.4f}" for row in PUBLISHED if row["method"] == "sirfs"}
@@ -67,14 +84,15 @@ def test_open_entries_stay_in_sight() -> None:
 
 
 def test_every_published_value_is_shown_once() -> None:
-    """The last column holds each value of the published table."""
-    shown = sorted(line[6] for line in table1_lines(document()) if line and line[6] != "-")
-    assert shown == sorted(f"{row['imse']:.4f}" for row in PUBLISHED)
+    """The last column holds each value of the published table, in a quick run too."""
+    for result in (document(), left_out(document())):
+        shown = sorted(line[6] for line in table1_lines(result) if line and line[6] != "-")
+        assert shown == sorted(f"{row['imse']:.4f}" for row in PUBLISHED)
 
 
 def test_a_missing_number_is_a_dash() -> None:
     """A rule that had nothing to learn from shows no number."""
-    assert all(line[4] in {"-", OPEN} for line in table1_lines(document(None)) if line)
+    assert all(line[4] == "-" for line in table1_lines(document(None)) if line)
 
 
 def test_the_summary_has_five_lines() -> None:
@@ -83,9 +101,13 @@ def test_the_summary_has_five_lines() -> None:
     assert len(lines) == 5
     assert lines[0].startswith("mit-berkeley: 2 objects under 20 lights")
     assert lines[1] == (
-        "natural: IMSE regression 0.01000 (0.0358 published), oracle 0.01000 (0.0329 published)"
+        "natural: IMSE regression 0.01000 (0.0358 published), oracle 0.01000 (0.0329 published),"
+        " B+M 0.01000 (0.0172 published)"
     )
-    assert lines[3] == "160 cells done, 80 missing; 4 table entries open (they need SIRFS)"
+    assert lines[3] == "160 cells done, 80 missing"
+    assert summary_lines(left_out(document()))[3] == (
+        "160 cells done, 80 missing; rows (b) and B+M left out by --quick"
+    )
     assert lines[4] == "1.5 s, workers: 2, code 0123456789ab, data fedcba987654"
 
 
@@ -94,3 +116,6 @@ def test_title_says_what_is_missing() -> None:
     assert table1_title({"missing": []}) == TITLE
     cell = {"object": "sun", "reason": "not measured"}
     assert table1_title({"missing": [cell] * 2}) == f"INCOMPLETE, 2 cells missing. {TITLE}"
+    assert table1_title({"missing": [cell], "quick": True}) == (
+        f"QUICK, without SIRFS. INCOMPLETE, 1 cell missing. {TITLE}"
+    )
