@@ -158,7 +158,7 @@ def table_shape_figure(subject: Subject) -> PlotFigure:
     return PlotFigure(
         "table-shape",
         "The shape of the table, ours against the paper's",
-        "Each table divided by its own entry “natural, (a) default, regression”, which takes out the"
+        f"Each table divided by its own entry “{entry_words(REFERENCE)}”, which takes out the"
         " unknown scale of the lights. What then remains is the order and the proportions.",
         svg,
         "; ".join(

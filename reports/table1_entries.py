@@ -81,6 +81,8 @@ class EntryRow:
 def table1_rows(document: dict[str, Any], setting: str) -> tuple[EntryRow, ...]:
     """Return the rows of one setting in the published order, then the user's, then the baseline.
 
+    A result without baselines, such as that over the test objects alone, has no row of them.
+
     Parameters
     ----------
     document : dict
@@ -92,9 +94,12 @@ def table1_rows(document: dict[str, Any], setting: str) -> tuple[EntryRow, ...]:
     tuple of EntryRow
     """
     rows = [_row(document, setting, *keys) for keys in ROWS]
-    baseline = [r for r in document["baselines"] if r["setting"] == setting]
-    entry = _entry(baseline[0] if baseline else None, None)
-    return (*rows, *_own_rows(document, setting), EntryRow(BASELINE, {"coarse": entry}))
+    baselines = [
+        EntryRow(BASELINE, {"coarse": _entry(row, None)})
+        for row in document["baselines"]
+        if row["setting"] == setting
+    ]
+    return (*rows, *_own_rows(document, setting), *baselines)
 
 
 def measured(document: dict[str, Any]) -> dict[Key, float]:

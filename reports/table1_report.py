@@ -11,15 +11,11 @@ from typing import Any
 import evaluation.table1
 from datasets.records import Dataset
 from reports.content import (
-    Block,
     Definitions,
     Folded,
-    Judgement,
-    Judgements,
     Pictures,
     Plot,
     Prose,
-    Remarks,
     Report,
     Section,
     Stamp,
@@ -38,16 +34,9 @@ from reports.rows_behind import Rows, rows_behind
 from reports.subject import Subject
 from reports.table1_entries import is_quick, missing_reasons
 from reports.table1_objects import object_table, own_object_table
-from reports.table1_tables import entry_table, missing_words, provenance_table, rows_table
-from reports.table1_verdict import Finding, detail_effect, table1_verdict
-from reports.table1_words import (
-    COMPARABLE,
-    DETAIL_EFFECT,
-    METHOD,
-    PHOTOGRAPHS,
-    QUICK_STAMP,
-    SYNTHETIC_STAMP,
-)
+from reports.table1_section import difference_section, table_section
+from reports.table1_tables import missing_words, provenance_table, rows_table
+from reports.table1_words import METHOD, PHOTOGRAPHS, QUICK_STAMP, SYNTHETIC_STAMP
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters
@@ -126,7 +115,12 @@ def table1_report(subject: Subject) -> Report:
     """
     document = _checked(subject).document
     origin, protocol = document["provenance"], document["protocol"]
-    sections = (_table_section(subject), _model_section(), *_figure_sections(subject))
+    sections = (
+        table_section(subject),
+        difference_section(document),
+        _model_section(),
+        *_figure_sections(subject),
+    )
     stamps = tuple(_stamps(subject))
     report = Report(
         title="From one photograph to Table 1",
@@ -188,30 +182,6 @@ def _stamps(subject: Subject) -> Iterable[Stamp]:
     if reasons or missing:
         why = "; ".join(reasons) or f"{len(subject.document['missing'])} cells are missing"
         yield Stamp("INCOMPLETE", f"{why}. Do not quote these numbers as the table.", missing)
-
-
-def _table_section(subject: Subject) -> Section:
-    document = subject.document
-    verdict = table1_verdict(document)
-    effect = (Prose(DETAIL_EFFECT), Judgements(_judged(detail_effect(document))))
-    blocks: tuple[Block, ...] = (
-        Prose(f"{{Verdict.}} {verdict.sentence}", "verdict"),
-        Judgements(_judged(verdict.findings)),
-        entry_table(document, subject.settings),
-        Remarks(
-            (
-                Section("comparable", "What can be compared", (Prose(COMPARABLE),)),
-                Section("detail-effect", "What the published table does not show", effect),
-            )
-        ),
-    )
-    return Section("table-1", "Table 1, ours beside the published one", blocks)
-
-
-def _judged(findings: Iterable[Finding]) -> tuple[Judgement, ...]:
-    return tuple(
-        Judgement(f.state, f.statement, f"{f.held} of {f.compared}", f.evidence) for f in findings
-    )
 
 
 def _model_section() -> Section:

@@ -14,9 +14,11 @@ COMPARABLE = (
     " and IMSE grows with the square of the target's brightness; a ratio to the published value"
     " mostly measures that difference. What can be compared is the {order} of the entries, their"
     " {proportions}, and the {relative error}, IMSE\u2032 over the mean squared target, which has"
-    " no unit. The SIRFS behind rows (b) and B+M is written anew after the description of its"
-    " release 1.5, and fits photographs in colour; the paper used what was released in 2012. Its"
-    " priors were learned from ten of the objects, so the test objects have a table of their own."
+    " no unit."
+)
+RIVAL_NOTE = (
+    "The SIRFS behind rows (b) and B+M is written anew after the description of its release 1.5,"
+    " and fits photographs in colour; the paper cites the version of 2012."
 )
 QUICK_STAMP = Stamp(
     "QUICK",
@@ -27,6 +29,7 @@ DETAIL_EFFECT = (
     "Whether the detail layers lower the error at all. Each rule against the same model without"
     " them:"
 )
+NO_DIFFERENCE = "All entries that were measured here come in the published order."
 METHOD = (
     "The method: Z. Liao, K. Karsch, H. Zhang and D. Forsyth, “An Approximate Shading Model with"
     " Detail Decomposition for Object Relighting”, {International Journal of Computer Vision}"

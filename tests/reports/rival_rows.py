@@ -10,6 +10,8 @@ SHADING_SHARE = 0.9
 """The error with the fake shading of SIRFS, over that with Retinex."""
 RIVAL_SHARES = {"natural": 0.3, "laboratory": 0.8}
 """The error of the fake SIRFS, over that of our default model with regressed weights."""
+HELD_OUT_SHARE = 1.1
+"""The error over the test objects, over that over all."""
 ERRORS = {
     "natural": (9.5, 0.31, 0.0021, 0.0034, 0.011, 0.0042),
     "laboratory": (12.0, 0.42, 0.0055, 0.0141, 0.035, 0.0123),
@@ -30,6 +32,9 @@ def with_rival(document: dict[str, Any]) -> dict[str, Any]:
             for row in own
             if row["weights"] == "regression"
         ]
+    found["test_rows"] = [
+        _scaled(row, HELD_OUT_SHARE, row["detail_source"]) for row in found["rows"]
+    ]
     found["sirfs_rows"] = [
         fit_row(row["object"], row["setting"], 1 + number / 10)
         for number, row in enumerate(found["intrinsic"])
@@ -55,7 +60,7 @@ def left_out(
     ]
     kept = {
         part: [row for row in document[part] if not _is_left_out(row, settings)]
-        for part in ("rows", "objects", "sirfs_rows")
+        for part in ("rows", "objects", "test_rows", "sirfs_rows")
         if part in document
     }
     return document | kept | {"open": entries, "quick": True}

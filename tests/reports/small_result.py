@@ -82,7 +82,7 @@ def small_result(tmp_path_factory: pytest.TempPathFactory) -> SmallResult:
     dataset = synthesize(folder, size=64, samples=2, objects=OBJECTS)
     lights = table1_lights(None, count=4)
     parameters = shipped_parameters()
-    table = run_table1(dataset, lights, parameters)
+    table = run_table1(dataset, lights, parameters, quick=True)
     document = with_rival(left_out(table1_document(table, provenance())))
     return SmallResult(document, dataset, lights, parameters)
 

@@ -26,14 +26,18 @@ from tests.reports.small_result import (
 
 __all__ = ["small_page", "small_result"]
 LARGEST_PAGE = 6_000_000
-TABLES = 5
-"""Entries, objects in two settings, provenance, and the rows behind each of them."""
 
 
 @pytest.fixture(scope="module")
 def outline(small_page: Path) -> Element:
     """The elements of the small page."""
     return read_html(small_page.read_text(encoding="utf-8"))
+
+
+def table(outline: Element, identifier: str) -> Element:
+    """Return the table of an identifier."""
+    (found,) = [e for e in outline.all("table") if e.attributes["id"] == identifier]
+    return found
 
 
 def published_alone(document: dict[str, Any]) -> dict[str, Any]:
@@ -78,13 +82,17 @@ def test_every_picture_is_described(outline: Element) -> None:
 
 def test_every_table_is_captioned_and_its_headings_scoped(outline: Element) -> None:
     """Every table has a caption, every heading cell a scope, every row the same width."""
-    assert len(outline.all("table")) == TABLES
-    for table in outline.all("table"):
-        assert table.one("caption").text
-        assert all("scope" in cell.attributes for cell in table.all("th"))
+    identifiers = [table.attributes["id"] for table in outline.all("table")]
+    assert identifiers == [
+        *("entries", "entries-held-out", "differences", "objects-natural", "objects-laboratory"),
+        *("facts", "rows-behind"),
+    ]
+    for one in outline.all("table"):
+        assert one.one("caption").text
+        assert all("scope" in cell.attributes for cell in one.all("th"))
         widths = {
             sum(int(cell.attributes.get("colspan") or 1) for cell in row.all("th", "td"))
-            for body in table.all("tbody")
+            for body in one.all("tbody")
             for row in body.all("tr")
         }
         assert len(widths) == 1
@@ -114,7 +122,7 @@ def test_page_needs_no_network(small_page: Path, outline: Element) -> None:
 
 def test_numbers_are_those_of_the_document(outline: Element, small_result: SmallResult) -> None:
     """Table 1 on the page holds every measured and every published value of the document."""
-    shown = [cell.text for cell in outline.all("table")[0].all("td")]
+    shown = [cell.text for cell in table(outline, "entries").all("td")]
     document = small_result.document
     for row in [*document["rows"], *document["baselines"]]:
         expected = f"{row['imse']:.5f} {100 * row['relative_imse']:.1f} %"
@@ -137,9 +145,9 @@ def test_values_by_object_are_those_of_the_document(
     outline: Element, small_result: SmallResult
 ) -> None:
     """The tables by object hold every object's oracle error, LMSE and residuals."""
-    natural, laboratory = outline.one("main").one("details").all("table")
-    for table, setting in ((natural, "natural"), (laboratory, "laboratory")):
-        rows = {row.all("th")[0].text: row for row in table.one("tbody").all("tr")}
+    for setting in ("natural", "laboratory"):
+        shown = table(outline, f"objects-{setting}").one("tbody")
+        rows = {row.all("th")[0].text: row for row in shown.all("tr")}
         assert tuple(rows) == OBJECTS
         for own in small_result.document["intrinsic"]:
             if own["setting"] == setting:
@@ -156,7 +164,8 @@ def test_values_by_object_are_those_of_the_document(
 
 def test_sirfs_stands_once_beside_both_rules(outline: Element, small_result: SmallResult) -> None:
     """The row of B+M has one number, one published value and no weights to choose."""
-    rows = [row for row in outline.all("table")[0].all("tr") if row.all("th")[0].text == "B+M"]
+    shown = table(outline, "entries").all("tr")
+    rows = [row for row in shown if row.all("th")[0].text == "B+M"]
     ours = [row["imse"] for row in small_result.document["rows"] if row["method"] == "sirfs"]
     assert len(rows) == len(ours) == 2
     for row, imse in zip(rows, ours, strict=True):
@@ -171,7 +180,8 @@ def test_quick_run_is_stamped_and_not_incomplete(small_result: SmallResult, tmp_
     header = outline.one("header").text
     assert "QUICK Without SIRFS" in header
     assert "INCOMPLETE" not in outline.text
-    entries, *by_object = outline.all("table")[:3]
+    entries = table(outline, "entries")
+    by_object = [table(outline, f"objects-{setting}") for setting in ("natural", "laboratory")]
     assert entries.one("caption").text.startswith("QUICK: without SIRFS.")
     for title, published in (("(b) B+M S", 2), ("B+M", 1)):
         rows = [row for row in entries.all("tr") if row.all("th")[0].text == title]
@@ -179,13 +189,24 @@ def test_quick_run_is_stamped_and_not_incomplete(small_result: SmallResult, tmp_
         for row in rows:
             assert LEFT_OUT in row.text
             assert len(re.findall(r"\d\.\d+", row.text)) == published
-    assert all("B+M" not in table.one("thead").text for table in by_object)
+    assert all("B+M" not in one.one("thead").text for one in by_object)
+
+
+def test_the_test_objects_have_a_table_of_their_own(
+    outline: Element, small_result: SmallResult, tmp_path: Path
+) -> None:
+    """Entries over the objects that no prior has seen are shown where there are any."""
+    shown = [cell.text for cell in table(outline, "entries-held-out").all("td")]
+    for row in small_result.document["test_rows"]:
+        assert f"{row['imse']:.5f} {100 * row['relative_imse']:.1f} %" in shown
+    assert BASELINE not in table(outline, "entries-held-out").text
+    assert 'id="entries-held-out"' not in small_result.write(tmp_path, test_rows=[])
 
 
 def test_values_of_sirfs_stand_by_object(outline: Element, small_result: SmallResult) -> None:
     """Each object's error of B+M and of the models with its shading are in the tables by object."""
-    tables = outline.one("main").one("details").all("table")
-    shown = {cell.text for table in tables for cell in table.all("td")}
+    tables = [table(outline, f"objects-{setting}") for setting in ("natural", "laboratory")]
+    shown = {cell.text for one in tables for cell in one.all("td")}
     for row in small_result.document["objects"]:
         if row["weights"] in {"none", "oracle"}:
             assert f"{row['imse']:.5f}" in shown
@@ -207,7 +228,7 @@ def test_missing_cells_are_stamped(small_result: SmallResult, tmp_path: Path) ->
     )
     header = read_html(text).one("header").text
     assert "INCOMPLETE 4 cells were not measured; 1 table entries have no value" in header
-    assert "missing" in read_html(text).all("table")[0].text
+    assert "missing" in table(read_html(text), "entries").text
 
 
 def test_subset_of_objects_is_incomplete(small_result: SmallResult) -> None:
@@ -222,7 +243,8 @@ def test_missing_cells_are_named(small_result: SmallResult, tmp_path: Path) -> N
     header = read_html(small_result.write(tmp_path, missing=[cell] * 15)).one("header")
     assert "INCOMPLETE 15 cells are missing" in header.text
     outline = read_html((tmp_path / PAGE).read_text(encoding="utf-8"))
-    captions = [t.one("caption").text for t in outline.all("table")[:3]]
+    stamped = ("entries", "differences", "objects-natural", "objects-laboratory")
+    captions = [table(outline, name).one("caption").text for name in stamped]
     assert all(caption.startswith("INCOMPLETE: 15 cells missing.") for caption in captions)
     listed = [item.text for item in header.all("li")]
     assert listed[0] == "cup, 3: MemoryError"
@@ -243,8 +265,7 @@ def test_text_of_the_document_is_escaped(small_result: SmallResult, tmp_path: Pa
     page = small_result.write(tmp_path, provenance=provenance(machine=machine).document())
     outline = read_html(page)
     assert len(outline.all("script")) == 1
-    (facts,) = [e for e in outline.all("table") if e.attributes["id"] == "facts"]
-    assert machine in facts.text
+    assert machine in table(outline, "facts").text
 
 
 def test_unwritable_place_is_one_sentence(small_result: SmallResult, tmp_path: Path) -> None:
@@ -363,12 +384,12 @@ def test_rows_of_the_user_stand_beside_ours(small_result: SmallResult, tmp_path:
     own_objects = [row | {"object": "cup"} for row in added]
     changes = {"rows": [*document["rows"], *added], "own_objects": own_objects}
     outline = read_html(small_result.write(tmp_path, **changes))
-    entries, *others = outline.all("table")
-    rows = {row.all("th")[0].text: row.text for row in entries.all("tr")}
+    entries = table(outline, "entries").all("tr")
+    rows = {row.all("th")[0].text: row.text for row in entries}
     assert "0.12346" in rows["mine"]
     assert "0.23457" in rows["ours + flat, (a) default"]
     assert "0.34568" in rows["ours, (a) default, halves"]
-    (own,) = [table for table in others if table.attributes["id"] == "objects-own"]
+    own = table(outline, "objects-own")
     assert [row.all("td")[1].text for row in own.one("tbody").all("tr")] == [
         *("mine", "ours + flat", "ours")
     ]
