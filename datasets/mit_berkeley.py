@@ -102,7 +102,7 @@ class _ObjectFiles:
 
     @cached_property
     def crop(self) -> tuple[slice, slice]:
-        indices = _load_mat(self.laboratory / "crop_idx.mat", "crop_idx1", "crop_idx2")
+        indices = load_mat(self.laboratory / "crop_idx.mat", "crop_idx1", "crop_idx2")
         # Stored as small unsigned integers, one-based and contiguous.
         rows, columns = (
             np.asarray(indices[key]).ravel().astype(int) for key in ("crop_idx1", "crop_idx2")
@@ -132,7 +132,7 @@ class _ObjectFiles:
         )
 
     def lit_photographs(self) -> tuple[LitPhotograph, ...]:
-        lights = _load_mat(self.laboratory / "L.mat", "color_lights")["color_lights"].light
+        lights = load_mat(self.laboratory / "L.mat", "color_lights")["color_lights"].light
         return tuple(
             LitPhotograph(
                 self.photograph(f"light{k:02d}.png"),
@@ -142,21 +142,21 @@ class _ObjectFiles:
         )
 
     def _height(self) -> Map:
-        stored = _load_mat(self.laboratory / "Z.mat", "depth")["depth"]
+        stored = load_mat(self.laboratory / "Z.mat", "depth")["depth"]
         return self._masked(np.asarray(stored, dtype=np.float64)[self.crop])
 
     def _shading(self) -> Image:
         if self.setting == "natural":
             return self._png(self.folder / "shading_color.png")
         path = self.laboratory / "shading_corrected_color.mat"
-        stored = _load_mat(path, "shading_correct")["shading_correct"]
+        stored = load_mat(path, "shading_correct")["shading_correct"]
         return np.asarray(stored, dtype=np.float64)[self.crop]
 
     def _coefficients(self) -> Float:
         if self.setting == "natural":
-            light = _load_mat(self.folder / "L.mat", "L")["L"]
+            light = load_mat(self.folder / "L.mat", "L")["L"]
         else:
-            light = _load_mat(self.folder / "L.mat", "color_lights")["color_lights"].diffuse
+            light = load_mat(self.folder / "L.mat", "color_lights")["color_lights"].diffuse
         return np.asarray(light, dtype=np.float64)
 
     def _png(self, path: Path) -> Float:
@@ -197,11 +197,34 @@ _UNREADABLE = (
 )
 
 
-def _load_mat(path: Path, *variables: str) -> dict[str, Any]:
+def load_mat(path: Path, *variables: str, of: str = "mit-berkeley") -> dict[str, Any]:
+    """Return variables of a MATLAB file; structs become objects, unit dimensions go.
+
+    Parameters
+    ----------
+    path : Path
+    *variables : str
+    of : str
+        The set that the file belongs to.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    RelightlabError
+        If the file is missing or damaged, or has no such variable.
+
+    Examples
+    --------
+    >>> load_mat(Path("Z.mat"), "depth")
+    Traceback (most recent call last):
+        ...
+    shading_model.errors.RelightlabError: no such file: Z.mat; get it with 'relightlab data fetch...
+    """
     if not path.is_file():
-        raise RelightlabError(
-            f"no such file: {path}; get it with 'relightlab data fetch mit-berkeley'"
-        )
+        raise RelightlabError(f"no such file: {path}; get it with 'relightlab data fetch {of}'")
     try:
         loaded: dict[str, Any] = scipy.io.loadmat(path, squeeze_me=True, struct_as_record=False)
         return {name: loaded[name] for name in variables}

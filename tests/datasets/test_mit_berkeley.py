@@ -16,7 +16,7 @@ from datasets.mit_berkeley import (
     TEST_OBJECTS,
     TRAINING_OBJECTS,
     MitBerkeley,
-    _load_mat,
+    load_mat,
 )
 from datasets.records import Dataset
 from shading_model.errors import RelightlabError
@@ -181,18 +181,18 @@ def test_a_mat_file_cut_anywhere_is_one_sentence(tmp_path: Path, compressed: boo
     values = np.random.default_rng(0).normal(size=(4, 5))
     savemat(path, {"depth": values}, do_compression=compressed)
     whole = path.read_bytes()
-    assert np.array_equal(_load_mat(path, "depth")["depth"], values)
+    assert np.array_equal(load_mat(path, "depth")["depth"], values)
     for length in range(len(whole)):
         path.write_bytes(whole[:length])
         with pytest.raises(RelightlabError, match=r"cannot read .*the file is damaged"):
-            _load_mat(path, "depth")
+            load_mat(path, "depth")
 
 
 def test_a_mat_file_of_another_variable_is_one_sentence(tmp_path: Path) -> None:
     """The variable that is not there is named."""
     savemat(tmp_path / "Z.mat", {"height": np.ones((2, 2))})
     with pytest.raises(RelightlabError, match=r"cannot read .*'depth'"):
-        _load_mat(tmp_path / "Z.mat", "depth")
+        load_mat(tmp_path / "Z.mat", "depth")
 
 
 def test_a_truncated_shading_is_one_sentence(copied: MitBerkeley) -> None:
