@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from evaluation.sirfs.histogram_kernels import (
-    add_color_slopes,
-    add_slopes,
-    occupied_box,
-    splat,
+from evaluation.sirfs.color_histogram_kernels import (
+    fill_color_slopes,
+    locate,
+    smoothed_histogram,
     splat_color,
 )
+from evaluation.sirfs.histogram_kernels import add_slopes, splat
 from evaluation.sirfs.regions import Runs
 from shading_model.arrays import Float
 
@@ -21,6 +22,19 @@ FIRST_KNOT, LAST_KNOT = -7.0, 4.0
 """Where the histograms of log albedo begin and end."""
 _REACH = 6.0
 """The kernel of the entropy is cut off after so many standard deviations."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where the colours of n pixels lie among the knots: scratch of `HistogramCost.color`."""
+
+    cells: NDArray[np.int32]
+    shares: Float
+
+    @classmethod
+    def of(cls, pixels: int) -> Places:
+        """Return scratch for so many pixels."""
+        return cls(np.zeros((3, pixels), np.int32), np.zeros((3, pixels)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,40 +77,40 @@ class HistogramCost:
         """
         histogram = np.zeros(len(self.absolute))
         splat(albedo, runs, FIRST_KNOT, self.spacing, histogram)
-        smooth = self._smoothing(histogram.size) @ histogram
+        smooth = np.convolve(histogram, self._kernel(1), mode="same")
         losses, potential = self._losses(histogram, smooth, self.absolute)
         add_slopes(albedo, runs, FIRST_KNOT, self.spacing, potential, gradient)
         return losses
 
-    def color(self, white: Float, runs: Runs, gradient: Float) -> tuple[float, float]:
+    def color(
+        self, white: Float, runs: Runs, places: Places, gradient: Float
+    ) -> tuple[float, float]:
         """Return both weighted costs of white log albedo, and fill their gradient on the runs.
 
         Parameters
         ----------
         white, gradient : (3, h, w) arrays
         runs : (r, 3) array
+        places : Places
+            Scratch, for as many pixels as the runs have.
         """
-        knots, first, spacing = len(self.absolute), FIRST_KNOT, self.spacing
-        box = occupied_box(white, runs, first, spacing, knots)
-        corner = np.ascontiguousarray(box[:, 0])
-        histogram = np.zeros(tuple(box[:, 1] - box[:, 0]))
-        splat_color(white, runs, first, spacing, knots, corner, histogram)
-        smooth = histogram
-        for axis in range(3):
-            kernel = self._smoothing(smooth.shape[axis], 3)
-            smooth = np.moveaxis(np.tensordot(kernel, smooth, (1, axis)), 0, axis)
-        inside = self.absolute[tuple(slice(*ends) for ends in box)]
-        losses, potential = self._losses(histogram, smooth, inside)
-        add_color_slopes(white, runs, first, spacing, knots, corner, potential, gradient)
+        cells, shares = places.cells, places.shares
+        knots, spacing = len(self.absolute), self.spacing
+        corner, size = locate(white, runs, FIRST_KNOT, spacing, knots, cells, shares)
+        histogram = np.zeros(tuple(size))
+        splat_color(cells, shares, corner, histogram)
+        smooth = smoothed_histogram(histogram, self._kernel(3))
+        box = tuple(slice(a, a + n) for a, n in zip(corner, size, strict=True))
+        losses, potential = self._losses(histogram, smooth, self.absolute[box])
+        fill_color_slopes(cells, shares, corner, potential, runs, spacing, gradient)
         return losses
 
-    def _smoothing(self, size: int, axes: int = 1) -> Float:
-        """Return the convolution with the kernel as a banded (size, size) matrix."""
-        distance = np.abs(np.subtract.outer(np.arange(size), np.arange(size)))
-        kernel = np.exp(-((distance * self.spacing) ** 2) / (4 * self.sigma**2))
-        kernel[distance > math.ceil(_REACH * self.sigma / self.spacing)] = 0.0
-        scaled: Float = kernel / self.count ** (2 / axes)
-        return scaled
+    def _kernel(self, axes: int) -> Float:
+        """Return the entropy's kernel along one of so many axes."""
+        reach = math.ceil(_REACH * self.sigma / self.spacing)
+        distance = np.arange(-reach, reach + 1) * self.spacing
+        kernel: Float = np.exp(-(distance**2) / (4 * self.sigma**2))
+        return kernel / self.count ** (2 / axes)
 
     def _losses(
         self, histogram: Float, smooth: Float, absolute: Float

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +77,7 @@ class Evaluation:
     terms : dict of float
         Weighted; they sum to the loss.
     by_height : (h, w) array
+        Overwritten by the next evaluation.
     by_lights : (v, 9 c) array
         By the white coordinates of each view's light.
     """
@@ -104,6 +104,7 @@ class Objective:
         self._padded = np.zeros((rows + 2, columns + 2))
         self._down, self._right = np.zeros((2, rows, columns))
         self._curvature, self._by_curvature = np.zeros((2, rows, columns))
+        self._by_height = np.zeros((rows, columns))
         self._partials = np.zeros((5, rows, columns))
         self._gradients = np.zeros((5, rows + 4, columns + 4))
         self._lines = np.zeros((LINES, columns))
@@ -128,11 +129,10 @@ class Objective:
         }
         by_lights = np.zeros_like(lights)
         terms |= self.view_terms(lights, by_lights)
-        by_height = np.empty(self.problem.shape)
-        height_adjoint(self._gradients, by_height)
+        height_adjoint(self._gradients, self._by_height)
         if self.problem.depth is not None:
-            terms["depth"] = self.problem.depth.add(height, by_height)
-        return Evaluation(sum(terms.values()), terms, by_height, by_lights)
+            terms["depth"] = self.problem.depth.add(height, self._by_height)
+        return Evaluation(sum(terms.values()), terms, self._by_height, by_lights)
 
     def log_albedo(self, view: int) -> Float:
         """Return the log albedo (c, h, w) of a view at the last evaluation."""

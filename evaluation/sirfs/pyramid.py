@@ -137,32 +137,49 @@ def spread(coarse: Float, shape: tuple[int, int]) -> Float:
     return fine
 
 
-def pyramid_metric(gradient: Float, levels: int | None = None) -> Float:
-    """Return ``T T' g``: the step in heights of a gradient step in the pyramid's levels.
-
-    Linear in the number of pixels.
+class Pyramid:
+    """The metric of height maps of one size; it holds its levels, so it serves one thread.
 
     Parameters
     ----------
-    gradient : (h, w) array
+    shape : (h, w)
     levels : int, optional
         By default `level_count`.
 
-    Returns
-    -------
-    (h, w) array
-
     Examples
     --------
-    >>> pyramid_metric(np.ones((2, 2)))
+    >>> step = np.empty((2, 2))
+    >>> Pyramid((2, 2)).metric(np.ones((2, 2)), step)
+    >>> step
     array([[1., 1.],
            [1., 1.]])
     """
-    stack = [np.asarray(gradient, dtype=np.float64)]
-    for _ in range((level_count(gradient.shape) if levels is None else levels) - 1):
-        stack.append(decimated(stack[-1]))
-    total = stack.pop()
-    while stack:
-        finer = stack.pop()
-        total = finer + spread(total, (finer.shape[0], finer.shape[1]))
-    return total
+
+    def __init__(self, shape: tuple[int, int], levels: int | None = None) -> None:
+        sizes = [shape]
+        for _ in range((level_count(shape) if levels is None else levels) - 1):
+            rows, columns = sizes[-1]
+            sizes.append((-(-rows // 2), -(-columns // 2)))
+        self._levels = [np.empty(size) for size in sizes]
+        self._halves = [
+            np.empty((coarse[0], fine[1])) for fine, coarse in zip(sizes, sizes[1:], strict=False)
+        ]
+
+    def metric(self, gradient: Float, step: Float) -> None:
+        """Fill ``T T' g``: the step in heights of a gradient step in the pyramid's levels.
+
+        Linear in the number of pixels.
+
+        Parameters
+        ----------
+        gradient, step : (h, w) arrays
+        """
+        levels = [gradient, *self._levels[1:]]
+        for fine, half, coarse in zip(levels, self._halves, levels[1:], strict=False):
+            _decimated_rows(fine, half)
+            _decimated_columns(half, coarse)
+        np.copyto(step, gradient)
+        sums = [step, *levels[1:]]
+        for fine, half, coarse in reversed(list(zip(sums, self._halves, sums[1:], strict=False))):
+            _spread_columns(coarse, half)
+            _spread_rows(half, fine)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evaluation.sirfs.albedo_kernels import add_mixed_channels, mixed_channels
-from evaluation.sirfs.entropy import HistogramCost
+from evaluation.sirfs.entropy import HistogramCost, Places
 from evaluation.sirfs.pair_kernels import LINES, color_difference_loss, difference_loss
 from evaluation.sirfs.priors import SirfsPriors
 from evaluation.sirfs.regions import Runs, pair_runs, runs_of
@@ -126,12 +126,15 @@ class ViewBuffers:
     by_mixed: Float
     by_albedo: Float
     lines: Float
+    places: Places
 
     @classmethod
     def of(cls, view: View) -> ViewBuffers:
         """Return buffers for a view."""
         shape = view.log_image.shape
-        return cls(*(np.zeros(shape) for _ in range(4)), np.zeros((LINES, shape[-1])))
+        maps = [np.zeros(shape) for _ in range(4)]
+        pixels = int(view.valid.sum()) if view.channels == 3 else 0
+        return cls(*maps, lines=np.zeros((LINES, shape[-1])), places=Places.of(pixels))
 
 
 def view_loss(
@@ -195,7 +198,7 @@ def _color_terms(view: View, buffers: ViewBuffers) -> dict[str, float]:
         back = np.ascontiguousarray(view.white.T)
         add_mixed_channels(by_mixed, back, view.smoothness, runs, buffers.by_albedo)
     mixed_channels(buffers.albedo, view.whitening, runs, mixed)
-    entropy, absolute = view.histogram.color(mixed, runs, by_mixed)
+    entropy, absolute = view.histogram.color(mixed, runs, buffers.places, by_mixed)
     back = np.ascontiguousarray(view.whitening.T)
     add_mixed_channels(by_mixed, back, 1.0, runs, buffers.by_albedo)
     return _terms(view, summed, entropy, absolute)
