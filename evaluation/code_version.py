@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 FOLDERS = ("shading_model", "datasets", "evaluation")
-NUMERIC_PACKAGES = ("numpy", "scipy", "pyamg", "opencv-python-headless")
+NUMERIC_PACKAGES = ("numpy", "scipy", "pyamg", "opencv-python-headless", "numba")
 
 
 @cache
@@ -21,7 +21,8 @@ def code_hash(places: tuple[str, ...] = FOLDERS) -> str:
     Parameters
     ----------
     places : tuple of str
-        Folders, and single modules by their paths, where less than all of them matters.
+        Folders with all that is in them, and single modules by their paths, where less than all
+        of them matters.
 
     Examples
     --------
@@ -32,7 +33,7 @@ def code_hash(places: tuple[str, ...] = FOLDERS) -> str:
     digest = hashlib.sha256()
     for place in places:
         whole = root / place
-        for path in [whole] if whole.is_file() else sorted(whole.glob("*.py")):
+        for path in [whole] if whole.is_file() else sorted(whole.rglob("*.py")):
             digest.update(f"{path.relative_to(root).as_posix()}\0".encode())
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     for package in NUMERIC_PACKAGES:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 VERSIONED = (
-    *("numpy", "scipy", "pyamg", "opencv-python-headless"),
+    *("numpy", "scipy", "pyamg", "opencv-python-headless", "numba"),
     *("pillow", "joblib", "mitsuba", "matplotlib"),
 )
 UNKNOWN = "unknown"

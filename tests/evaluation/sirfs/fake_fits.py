@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 
+from evaluation import sirfs_fits, sirfs_grid, table1_grid
 from evaluation.sirfs.fit import FitOptions
 from evaluation.sirfs.result import SirfsFit
 from shading_model.arrays import Float, Image, Mask
 from shading_model.errors import RelightlabError
 from shading_model.illumination import C4, LogHarmonics
+
+Fit = Callable[..., SirfsFit]
 
 
 def flat_fit(image: Image, mask: Mask, priors: Any, options: FitOptions, **_: Any) -> SirfsFit:
@@ -39,3 +44,10 @@ def flat_fit(image: Image, mask: Mask, priors: Any, options: FitOptions, **_: An
 def diverging_fit(*_: Any, **__: Any) -> SirfsFit:
     """Fail as a fit that diverges does."""
     raise RelightlabError("the fit diverged: its loss is not finite")
+
+
+def pretend(patch: pytest.MonkeyPatch, fit: Fit = flat_fit, priors: str = "no priors") -> None:
+    """Let everything that uses SIRFS in this process use a fake instead."""
+    patch.setattr(sirfs_fits, "fit_sirfs", fit)
+    for module in (sirfs_fits, sirfs_grid, table1_grid):
+        patch.setattr(module, "priors_in_use", lambda: (1.5, priors))
