@@ -244,6 +244,7 @@ def _table_seconds(
             table1_lights(root),
             parameters,
             store=store,
+            quick=True,
             options=RunOptions(workers=workers),
         )
         return time.perf_counter() - start

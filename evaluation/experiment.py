@@ -84,6 +84,17 @@ class Experiment:
         """
         return tuple(cell[axis] for axis in self.axes)
 
+    def has(self, cell: Cell) -> bool:
+        """Return whether the grid has a cell: the same axes, and on each a value of it.
+
+        Parameters
+        ----------
+        cell : mapping
+        """
+        return cell.keys() == self.axes.keys() and all(
+            cell[axis] in values for axis, values in self.axes.items()
+        )
+
     def cells(self, only: Mapping[str, Sequence[str]] | None = None) -> Iterator[dict[str, str]]:
         """Return all cells, or those with the given values on some axes, in grid order.
 

@@ -27,7 +27,7 @@ from evaluation.code_version import NUMERIC_PACKAGES
 from evaluation.grid_run import Progress, RunOptions
 from evaluation.provenance import code_commit
 from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
-from evaluation.table1_grid import BASELINE, DETAIL_SOURCES
+from evaluation.table1_grid import BASELINE, QUICK_SOURCES
 from evaluation.weight_rules import WEIGHT_RULES
 from shading_model.errors import unknown_name
 from shading_model.illumination import LogHarmonics
@@ -191,7 +191,9 @@ def measure_gate(
     """
     options = RunOptions(workers)
     dataset, parameters = subject.dataset, shipped_parameters()
-    table = run_table1(dataset, subject.lights, parameters, options=options, progress=progress)
+    table = run_table1(
+        dataset, subject.lights, parameters, quick=True, options=options, progress=progress
+    )
     return GateMeasurement(
         dataset=dataset.name,
         protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",
@@ -255,7 +257,7 @@ def variants() -> tuple[tuple[str, str], ...]:
     >>> len(variants()), variants()[-1]
     (11, ('flat', 'coarse'))
     """
-    pairs = [(source, rule) for source in DETAIL_SOURCES for rule in WEIGHT_RULES]
+    pairs = [(source, rule) for source in QUICK_SOURCES for rule in WEIGHT_RULES]
     return (*pairs, (BASELINE, "coarse"))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -234,10 +234,32 @@ def last_line(reason: str) -> str:
     return (reason.strip().splitlines() or [""])[-1]
 
 
+def missing_reason(row: Mapping[str, Any] | None) -> str:
+    """Return why a cell has no result, in the words of the fault alone.
+
+    Parameters
+    ----------
+    row : mapping, optional
+        The cell's last row, if it has one.
+
+    Examples
+    --------
+    >>> missing_reason(None)
+    'not measured'
+    >>> missing_reason({"reason": "shading_model.errors.RelightlabError: the mask is empty"})
+    'the mask is empty'
+    """
+    if row is None:
+        return "not measured"
+    return last_line(row["reason"]).removeprefix(f"{RelightlabError.__module__}.RelightlabError: ")
+
+
 def own_rows(
     experiment: Experiment, store: Rows
 ) -> Iterator[tuple[dict[str, Any] | DamagedLine, bool]]:
     """Yield the rows of an experiment, and whether its own inputs gave them; and damaged lines.
+
+    Its own rows of cells that this grid leaves out, being a part of a larger one, are passed over.
 
     Parameters
     ----------
@@ -264,7 +286,9 @@ def own_rows(
                     f" is version {experiment.version}: keep it and choose another folder for the"
                     " new"
                 )
-            yield row, row["inputs"] == wanted
+            own = row["inputs"] == wanted
+            if not own or experiment.has(row["cell"]):
+                yield row, own
 
 
 def cell_place(experiment: Experiment) -> Callable[[Cell], int]:

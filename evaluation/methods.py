@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from datasets.records import Dataset
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_run import Progress, RunOptions, run_grid
-from evaluation.grid_status import GridStatus
+from evaluation.grid_status import GridStatus, missing_reason
 from evaluation.rerendering import RerenderingCell, image_cell
 from evaluation.row_store import Rows
 from evaluation.table1_grid import VERSION, shared_inputs
@@ -196,7 +196,8 @@ def _result(experiment: Experiment, status: GridStatus) -> MethodResult:
     }
     coarse = Weights(0.0, 0.0)
     missing = tuple(
-        (dict(zip(axes, key, strict=True)), _reason(status.rows.get(key))) for key in status.missing
+        (dict(zip(axes, key, strict=True)), missing_reason(status.rows.get(key)))
+        for key in status.missing
     )
     return MethodResult(
         axes["method"][0],
@@ -212,10 +213,3 @@ def _cell(status: GridStatus, key: tuple[str, ...]) -> RerenderingCell:
     gram, cross = np.zeros((3, 3)), np.zeros(3)
     gram[0, 0], cross[0] = values.get("gram", np.nan), values.get("cross", np.nan)
     return RerenderingCell(gram, cross, values.get("power", float("nan")))
-
-
-def _reason(row: Mapping[str, Any] | None) -> str:
-    if row is None:
-        return "not measured"
-    last = str(row["reason"]).strip().splitlines()[-1]
-    return last.removeprefix(f"{RelightlabError.__module__}.RelightlabError: ")

@@ -88,7 +88,7 @@ def measure_object(
         thresholds = thresholds_for(dataset.name, setting, name) or parameters.thresholds
         split = retinex(photograph.image, photograph.mask, thresholds)
         sources = {"default": split, "gt-shading": true_parts(capture)}
-        models = _models(photograph, sources, parameters, parts, kept)
+        models = build_models(photograph, sources, parameters, parts, kept)
         models["flat"] = _flattened(models["default"])
         cells = {
             source: rerendering_cells(model, truth, lights, channels)
@@ -104,13 +104,29 @@ def measure_object(
         )
 
 
-def _models(
+def build_models(
     photograph: Photograph,
     sources: Mapping[str, IntrinsicImages],
     parameters: ModelParameters,
-    parts: ModelParts,
-    kept: KeptModels | None,
+    parts: ModelParts = PAPER_PARTS,
+    kept: KeptModels | None = None,
 ) -> dict[str, ObjectModel]:
+    """Return one model for each source of detail, all on the same base shape.
+
+    Parameters
+    ----------
+    photograph : Photograph
+    sources : mapping of str to IntrinsicImages
+        Albedo and shading of the photograph, by the source's name.
+    parameters : ModelParameters
+    parts : ModelParts
+    kept : KeptModels, optional
+
+    Returns
+    -------
+    dict of ObjectModel
+    """
+
     @cache
     def shape() -> CoarseShape:
         return parts.base(photograph.mask, photograph.image, parameters)

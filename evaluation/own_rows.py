@@ -21,7 +21,8 @@ from evaluation.methods import (
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.part_registries import Part, find_part
 from evaluation.row_store import MemoryRows, Rows
-from evaluation.table1 import MissingCell, Table1, run_table1
+from evaluation.sirfs_fits import SirfsFits
+from evaluation.table1 import UNKEPT, MissingCell, Table1, run_table1
 from evaluation.weight_rules import MANUAL, WEIGHT_RULES, WeightRule
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
@@ -86,7 +87,7 @@ class OwnRows:
     def object_rows(self) -> list[dict[str, str | float | int]]:
         """Return the mean error of every object, with the method's name."""
         table = self.table
-        own = [{"method": table.method, **row} for row in table.object_rows()] if table else []
+        own = table.object_rows() if table else []
         return own + [
             {**self._row(setting, method, errors[[index]], powers[[index]]), "object": name}
             for setting, method, errors, powers in self._measured()
@@ -196,6 +197,8 @@ def run_own_rows(
     manual: Weights = MANUAL,
     seed: str = "",
     store: Rows | None = None,
+    quick: bool = False,
+    fits: SirfsFits = UNKEPT,
     options: RunOptions = DEFAULT_OPTIONS,
     progress: Progress | None = None,
 ) -> OwnRows:
@@ -204,7 +207,9 @@ def run_own_rows(
     Parameters
     ----------
     choices : OwnChoices
-    dataset, lights, parameters, objects, channels, manual, seed, store, options, progress
+    dataset, lights, parameters, objects, channels, manual, seed, store
+        As for `evaluation.table1.run_table1`.
+    quick, fits, options, progress
         As for `evaluation.table1.run_table1`.
 
     Returns
@@ -230,6 +235,8 @@ def run_own_rows(
             parts=choices.parts,
             rules=choices.weight_rules(),
             store=rows,
+            quick=quick,
+            fits=fits,
             options=options,
             progress=progress,
         )

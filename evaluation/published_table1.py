@@ -1,4 +1,4 @@
-"""The Table 1 that was published, and the entries of it that are not computed here yet."""
+"""The Table 1 that was published, and the entries of it that a quick run leaves out."""
 
 from __future__ import annotations
 
@@ -28,4 +28,4 @@ OPEN_ENTRIES: tuple[dict[str, str], ...] = tuple(
     for setting in ("natural", "laboratory")
     for method, source in (("sirfs", "default"), ("ours", "sirfs-shading"))
 )
-"""Entries that are not computed yet, because they need SIRFS."""
+"""Entries that need SIRFS, which a quick run does without."""

@@ -8,6 +8,10 @@ from datasets.records import Dataset
 from evaluation.experiment import Experiment
 from evaluation.methods import MethodContext, method_experiment
 from evaluation.part_registries import find_part
+from evaluation.sirfs_fits import SirfsFits
+from evaluation.sirfs_grid import NAME as SIRFS
+from evaluation.sirfs_grid import SirfsContext, sirfs_experiment
+from evaluation.table1 import UNKEPT
 from evaluation.table1_grid import NAME, Table1Context, table1_experiment
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters
@@ -20,6 +24,8 @@ def table1_on(
     *,
     channels: str = "gray",
     seed: str = "",
+    quick: bool = False,
+    fits: SirfsFits = UNKEPT,
 ) -> Experiment:
     """Return Table 1 on a dataset under these lights.
 
@@ -31,12 +37,19 @@ def table1_on(
     channels : {"gray", "color"}
     seed : str
         Name that the lights were drawn by.
+    quick : bool
+        Without the cells that need SIRFS.
+    fits : SirfsFits
+        Where fits of SIRFS are kept.
 
     Returns
     -------
     Experiment
     """
-    return table1_experiment(Table1Context(dataset, tuple(lights), parameters, channels), seed)
+    context = Table1Context(
+        *(dataset, tuple(lights), parameters, channels), fits=None if quick else fits
+    )
+    return table1_experiment(context, seed)
 
 
 def paper_model_on(
@@ -66,9 +79,39 @@ def paper_model_on(
     return method_experiment(MethodContext(dataset, tuple(lights), channels, method), seed)
 
 
+def sirfs_on(
+    dataset: Dataset,
+    lights: Sequence[LogHarmonics],  # noqa: ARG001
+    parameters: ModelParameters,  # noqa: ARG001
+    *,
+    channels: str = "gray",
+    seed: str = "",
+    fits: SirfsFits = UNKEPT,
+) -> Experiment:
+    """Return the fits of SIRFS and their errors; `lights` and `parameters` play no part.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    lights : sequence of LogHarmonics
+    parameters : ModelParameters
+    channels : {"gray", "color"}
+        That are fitted.
+    seed : str
+    fits : SirfsFits
+        Where fits are kept, and which terms of the loss are left out.
+
+    Returns
+    -------
+    Experiment
+    """
+    return sirfs_experiment(SirfsContext(dataset, fits), channels=[channels], seed=seed)
+
+
 PAPER_MODEL = "paper-model"
 EXPERIMENTS: dict[str, Callable[..., Experiment]] = {
     NAME: table1_on,
     f"{NAME} method {PAPER_MODEL}": paper_model_on,
+    SIRFS: sirfs_on,
 }
 """Called with a dataset, its lights and parameters; the contract tests run on each."""

@@ -24,13 +24,27 @@ Retinex thresholds
     (`evaluation.retinex_thresholds`); elsewhere the shipped defaults are used.
 Detail sources
     (a) ``default``: shading and albedo by colour Retinex. (c) ``gt-shading``: the true shading S*
-    of the photograph, and the albedo I / S*. (b) ``sirfs-shading`` and the row of B + M need an
-    implementation of SIRFS and are listed as open.
+    of the photograph, and the albedo I / S*. (b) ``sirfs-shading``: the shading S' of SIRFS (see
+    below), which is coloured, and the albedo I / S'. Albedos are per channel; the shading that
+    detail is derived from is the mean over the channels.
+B + M
+    SIRFS (`evaluation.sirfs`) fits shape, albedo and light to the same photograph in colour, by the
+    light model of the setting's name (``laboratory`` where there is none of that name). Its entry
+    is its own albedo under the new light on its own shape, ``A exp(B(N) . L)``, without detail
+    layers or weights; in ``gray`` the albedo of the colour fit is averaged as any other. The
+    contour that its shape bends away at is that of the object: the mask of the laboratory
+    photograph where there is one, for a natural photograph of MIT-Berkeley is blank where the
+    depth is not known. Pixels of the mask that are black in a channel are not explained by the fit
+    and count as black. Its priors were trained on the ten training objects of MIT-Berkeley, their
+    albedos and shapes, so its errors on those are optimistic, and so are those of (b): the same
+    entries over the ten test objects stand beside (``test_rows``).
+    A fit that fails leaves its cells missing. A quick run leaves out (b) and B + M, and lists them
+    as open.
 Weights
     ``oracle``: joint least squares over k, k w_p, k w_g for each cell. ``regression``: see
     `evaluation.weight_rules.regressed`; its training points always come from all other objects of
     the dataset, whichever are reported. ``default``: (1, 1). ``manual``: what the user gives, by
-    default (0.5, 0.5). ``coarse``: (0, 0).
+    default (0.5, 0.5). ``coarse``: (0, 0). B + M: ``none``.
 Error
     ``IMSE' = min_k |I - k A S|^2 / n`` (`eq:MSEmetric`) over the n pixels of the mask whose true
     normal is known, k >= 0 for each cell; a table entry is the mean over its cells, and its
@@ -39,21 +53,25 @@ Error
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from datasets.records import Dataset
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions, run_grid
-from evaluation.grid_status import GridStatus
+from evaluation.grid_status import GridStatus, missing_reason
 from evaluation.kept_models import KeptModels
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult
+from evaluation.object_sets import HELD_OUT, object_sets
 from evaluation.rerendering import monochrome_coefficients
 from evaluation.row_store import MemoryRows, Rows
+from evaluation.sirfs_fits import SirfsFits
+from evaluation.sirfs_measurement import RIVAL, SIRFS_SHADING
 from evaluation.table1_grid import (
+    BASELINE,
     DETAIL_SOURCES,
     NAME,
     VERSION,
@@ -68,6 +86,10 @@ from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters, Weights
 
 PROTOCOL, PROTOCOL_VERSION = NAME, VERSION
+RIVAL_ENTRY = {"method": "sirfs", "detail_source": "default", "weights": "none"}
+"""What the row of B + M is called, as in the published table."""
+UNKEPT = SirfsFits()
+"""Fits that are made whenever they are needed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,16 +141,27 @@ class Table1:
     rules: Mapping[str, WeightRule] = field(default_factory=lambda: dict(WEIGHT_RULES))
 
     def rows(self) -> list[dict[str, str | float | int]]:
-        """Return one row per table entry, in the order of the published table."""
+        """Return one row per table entry: for each setting our models, then B + M."""
         return [
-            self._row(setting, source, rule, errors)
-            for setting, source, rule, errors in self._entries(DETAIL_SOURCES)
+            self._row(setting, entry, errors)
+            for setting in self.settings()
+            for entry, errors in self._entries(setting)
         ]
+
+    def test_rows(self) -> list[dict[str, str | float | int]]:
+        """Return the same entries over the test objects alone, where the dataset has such."""
+        sets = object_sets(self.dataset, self.objects)
+        if HELD_OUT not in sets:
+            return []
+        return replace(self, objects=sets[HELD_OUT]).rows()
 
     def baselines(self) -> list[dict[str, str | float | int]]:
         """Return the rows of the Retinex albedo on a flat shape, whose shading is constant."""
-        entries = self._entries(("flat",))
-        return [self._row(s, source, r, e) for s, source, r, e in entries if r == "coarse"]
+        entry = {"method": self.method, "detail_source": BASELINE, "weights": "coarse"}
+        return [
+            self._row(setting, entry, self.errors(setting, BASELINE, "coarse"))
+            for setting in self.settings()
+        ]
 
     def object_rows(self) -> list[dict[str, str | float | int]]:
         """Return the mean error of every object in every table entry."""
@@ -137,13 +170,13 @@ class Table1:
                 "dataset": self.dataset,
                 "setting": setting,
                 "object": name,
-                "detail_source": source,
-                "weights": rule,
+                **entry,
                 "imse": _mean(row),
                 "relative_imse": _mean(row) / self._power(setting, name),
                 "cells": int(np.isfinite(row).sum()),
             }
-            for setting, source, rule, errors in self._entries(DETAIL_SOURCES)
+            for setting in self.settings()
+            for entry, errors in self._entries(setting)
             for name, row in zip(self.objects, errors, strict=True)
         ]
 
@@ -167,9 +200,17 @@ class Table1:
         return tuple(
             missing
             for missing in self.missing
-            if missing.cell["object"] in self.objects
-            and missing.cell["detail_source"] in DETAIL_SOURCES
+            if missing.cell["object"] in self.objects and missing.cell["detail_source"] != BASELINE
         )
+
+    @property
+    def quick(self) -> bool:
+        """Whether the entries that need SIRFS were left out."""
+        return SIRFS_SHADING not in self.sources()
+
+    def sources(self) -> tuple[str, ...]:
+        """Return the detail sources measured, B + M and the baseline among them."""
+        return tuple(dict.fromkeys(source for result in self.results for source in result.cells))
 
     def settings(self) -> tuple[str, ...]:
         """Return the settings measured, in order."""
@@ -191,14 +232,18 @@ class Table1:
         grid = CellGrid(
             tuple(result.cells[source] for result in chosen), self.coefficients, self.manual
         )
+        known = {**WEIGHT_RULES, **self.rules}
         reported = [result.name in self.objects for result in chosen]
-        return grid.errors(checked_weights(grid, rule, self.rules[rule]))[reported]
+        return grid.errors(checked_weights(grid, rule, known[rule]))[reported]
 
-    def _entries(self, sources: Iterable[str]) -> Iterator[tuple[str, str, str, Float]]:
-        for setting in self.settings():
-            for source in sources:
-                for rule in self.rules:
-                    yield setting, source, rule, self.errors(setting, source, rule)
+    def _entries(self, setting: str) -> Iterator[tuple[dict[str, str], Float]]:
+        measured = self.sources()
+        for source in DETAIL_SOURCES:
+            for rule in self.rules if source in measured else ():
+                entry = {"method": self.method, "detail_source": source, "weights": rule}
+                yield entry, self.errors(setting, source, rule)
+        if RIVAL in measured:
+            yield dict(RIVAL_ENTRY), self.errors(setting, RIVAL, "coarse")
 
     def _power(self, setting: str, name: str | None = None) -> float:
         powers = [
@@ -211,15 +256,13 @@ class Table1:
         return _mean(np.array(powers))
 
     def _row(
-        self, setting: str, source: str, rule: str, errors: Float
+        self, setting: str, entry: Mapping[str, str], errors: Float
     ) -> dict[str, str | float | int]:
         imse = _mean(errors)
         return {
             "dataset": self.dataset,
             "setting": setting,
-            "method": self.method,
-            "detail_source": source,
-            "weights": rule,
+            **entry,
             "imse": imse,
             "relative_imse": imse / self._power(setting),
             "cells": int(np.isfinite(errors).sum()),
@@ -245,6 +288,8 @@ def run_table1(
     rules: Mapping[str, WeightRule] = WEIGHT_RULES,
     store: Rows | None = None,
     kept: KeptModels | None = None,
+    quick: bool = False,
+    fits: SirfsFits = UNKEPT,
     options: RunOptions = DEFAULT_OPTIONS,
     progress: Progress | None = None,
 ) -> Table1:
@@ -274,6 +319,10 @@ def run_table1(
         Cells it holds are not measured again; without one, rows are kept in memory.
     kept : KeptModels, optional
         Where object models are kept; without it they are built for each run.
+    quick : bool
+        Leave out the entries that need SIRFS, some seconds for each object and setting.
+    fits : SirfsFits
+        Where fits of SIRFS are kept.
     options : RunOptions
         Workers, scheduler, cells to measure, time limit.
     progress : callable, optional
@@ -293,7 +342,11 @@ def run_table1(
             raise unknown_name("object", name, dataset.objects)
     coefficients = monochrome_coefficients(lights).T
     experiment = table1_experiment(
-        Table1Context(dataset, tuple(lights), parameters, channels, parts, kept), seed
+        Table1Context(
+            *(dataset, tuple(lights), parameters, channels, parts, kept),
+            fits=None if quick else fits,
+        ),
+        seed,
     )
     status = run_grid(experiment, store or MemoryRows(), options, progress)
     chosen = tuple(name for name in dataset.objects if not objects or name in objects)
@@ -314,7 +367,6 @@ def run_table1(
 def _missing(experiment: Experiment, status: GridStatus) -> tuple[MissingCell, ...]:
     found = []
     for key in status.missing:
-        row = status.rows.get(key)
-        reason = row["reason"].strip().splitlines()[-1] if row else "not measured"
+        reason = missing_reason(status.rows.get(key))
         found.append(MissingCell(dict(zip(experiment.axes, key, strict=True)), reason))
     return tuple(found)

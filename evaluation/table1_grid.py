@@ -24,11 +24,20 @@ from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult, measure_object
 from evaluation.rerendering import RerenderingCell
 from evaluation.retinex_thresholds import shipped_table
+from evaluation.sirfs_fits import SirfsFits, priors_in_use
+from evaluation.sirfs_measurement import (
+    RIVAL,
+    SIRFS_SHADING,
+    SIRFS_SOURCES,
+    measure_sirfs,
+)
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters
 
 NAME, VERSION = "table-1", 1
-DETAIL_SOURCES = ("default", "gt-shading")
+QUICK_SOURCES = ("default", "gt-shading")
+DETAIL_SOURCES = ("default", SIRFS_SHADING, "gt-shading")
+"""The sources of the rows of our models; those of `QUICK_SOURCES` need no SIRFS."""
 BASELINE = "flat"
 _GRAM = {"gram_cc": (0, 0), "gram_cp": (0, 1), "gram_cg": (0, 2), "gram_pp": (1, 1),
          "gram_pg": (1, 2), "gram_gg": (2, 2)}  # fmt: skip
@@ -38,7 +47,10 @@ _OBJECT_VALUES = ("retinex_error", "point_light_residual", "harmonic_residual")
 
 @dataclass(frozen=True, eq=False)
 class Table1Context:
-    """What the cells of Table 1 are measured with; see `evaluation.table1.run_table1`."""
+    """What the cells of Table 1 are measured with; see `evaluation.table1.run_table1`.
+
+    Without `fits`, the cells that need SIRFS are not part of the grid.
+    """
 
     dataset: Dataset
     lights: tuple[LogHarmonics, ...]
@@ -46,6 +58,15 @@ class Table1Context:
     channels: str
     parts: ModelParts = PAPER_PARTS
     kept: KeptModels | None = None
+    fits: SirfsFits | None = None
+
+    def sources(self) -> tuple[str, ...]:
+        """Return the detail sources whose cells are measured, the baseline last."""
+        if self.fits is None:
+            return (*QUICK_SOURCES, BASELINE)
+        # B + M has none of our parts, so it stands once, beside the paper's own model.
+        rival = (RIVAL,) if self.parts == PAPER_PARTS else ()
+        return (*DETAIL_SOURCES, *rival, BASELINE)
 
 
 def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
@@ -68,7 +89,7 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
         axes={
             "setting": dataset.settings,
             "object": dataset.objects,
-            "detail_source": (*DETAIL_SOURCES, BASELINE),
+            "detail_source": context.sources(),
             "light": tuple(f"{number:02d}" for number in range(len(context.lights))),
         },
         together=("detail_source", "light"),
@@ -78,6 +99,8 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
             **shared_inputs(dataset, context.lights, context.channels),
             "parameters": _parameters_hash(context.parameters),
             **({} if parts == PAPER_PARTS else {"parts": parts.identity}),
+            # In a quick run too, so that a later one with SIRFS finds its rows.
+            "priors": priors_in_use()[1],
         },
         seed=seed,
     )
@@ -119,6 +142,16 @@ def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tup
     ------
     cell, values
     """
+    # What SIRFS cannot do leaves the others their results.
+    fitted = [cell for cell in cells if cell["detail_source"] in SIRFS_SOURCES]
+    own = [cell for cell in cells if cell["detail_source"] not in SIRFS_SOURCES]
+    if own:
+        yield from _measure_own(context, own)
+    if fitted:
+        yield from _measure_fitted(context, fitted)
+
+
+def _measure_own(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tuple[Cell, Values]]:
     first = cells[0]
     result = measure_object(
         context.dataset,
@@ -135,6 +168,26 @@ def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tup
     for cell in cells:
         measured = result.cells[cell["detail_source"]][int(cell["light"])]
         yield cell, {**_values(measured), **known}
+
+
+def _measure_fitted(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tuple[Cell, Values]]:
+    first = cells[0]
+    if context.fits is None:
+        raise ValueError("cells of SIRFS are no part of a grid without fits")
+    found = measure_sirfs(
+        context.dataset,
+        first["object"],
+        first["setting"],
+        context.lights,
+        context.parameters,
+        context.fits,
+        context.channels,
+        context.parts,
+        context.kept,
+        sources=[cell["detail_source"] for cell in cells],
+    )
+    for cell in cells:
+        yield cell, _values(found[cell["detail_source"]][int(cell["light"])])
 
 
 def object_results(experiment: Experiment, status: GridStatus) -> tuple[ObjectResult, ...]:

@@ -27,8 +27,9 @@ from evaluation.provenance import provenance_of
 from evaluation.registry import EXPERIMENTS
 from evaluation.rerendering import CHANNELS
 from evaluation.row_store import ROWS, RowStore
+from evaluation.sirfs_fits import SirfsFits
 from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
-from evaluation.table1_grid import DETAIL_SOURCES
+from evaluation.table1_grid import BASELINE
 from evaluation.table1_results import table1_document
 from evaluation.weight_rules import MANUAL
 from reports.console import progress, say
@@ -142,6 +143,7 @@ def measure_table1(
     own: OwnChoices = NOTHING,
     store: Path | None = None,
     keep_models: bool = False,
+    quick: bool = False,
     options: RunOptions = DEFAULT_OPTIONS,
 ) -> Table1Run:
     """Measure Table 1 and say where its numbers come from.
@@ -158,7 +160,9 @@ def measure_table1(
     store : Path, optional
         Folder that keeps the rows; what it holds is not measured again.
     keep_models : bool
-        Whether the store keeps the object models too.
+        Whether the store keeps the object models too; fits of SIRFS it always keeps.
+    quick : bool
+        Leave out the entries that need SIRFS.
     options : RunOptions
         The numbers do not depend on them.
 
@@ -176,7 +180,8 @@ def measure_table1(
     parameters = shipped_parameters()
     rows = None if store is None else RowStore(store / ROWS)
     if rows is not None:
-        say(grid_summary(source_experiment(source, channels), rows).sentence())
+        experiment = source_experiment(source, channels, quick=quick)
+        say(grid_summary(experiment, rows).sentence())
     started = time.monotonic()
     with progress("measuring cells") as report:
         table = run_table1(
@@ -190,6 +195,8 @@ def measure_table1(
             rules=own.weight_rules(),
             store=rows,
             kept=_kept_models(store, keep_models),
+            quick=quick,
+            fits=kept_fits(store),
             options=options,
             progress=report,
         )
@@ -203,6 +210,8 @@ def measure_table1(
             manual=manual,
             seed=TABLE1_SEED,
             store=rows,
+            quick=quick,
+            fits=kept_fits(store),
             options=options,
             progress=report,
         )
@@ -218,13 +227,33 @@ def _kept_models(store: Path | None, keep: bool) -> KeptModels | None:
     return KeptModels(store / BLOBS)
 
 
-def source_experiment(source: Table1Source, channels: str = "gray") -> Experiment:
+def kept_fits(store: Path | None, without: Sequence[str] = ()) -> SirfsFits:
+    """Return where fits of SIRFS are kept: in the store, where there is one.
+
+    Parameters
+    ----------
+    store : Path, optional
+    without : sequence of str
+        Terms of the loss that are left out.
+
+    Returns
+    -------
+    SirfsFits
+    """
+    return SirfsFits(None if store is None else store / BLOBS, tuple(without))
+
+
+def source_experiment(
+    source: Table1Source, channels: str = "gray", *, quick: bool = False
+) -> Experiment:
     """Return the grid of cells that `measure_table1` measures.
 
     Parameters
     ----------
     source : Table1Source
     channels : {"gray", "color"}
+    quick : bool
+        Without the cells that need SIRFS.
 
     Returns
     -------
@@ -239,15 +268,22 @@ def source_experiment(source: Table1Source, channels: str = "gray") -> Experimen
         raise unknown_name("channels", channels, CHANNELS)
     build = EXPERIMENTS[PROTOCOL]
     parameters = shipped_parameters()
-    return build(source.dataset, source.lights, parameters, channels=channels, seed=TABLE1_SEED)
+    return build(
+        *(source.dataset, source.lights, parameters),
+        channels=channels,
+        seed=TABLE1_SEED,
+        quick=quick,
+    )
 
 
 def _document(
     table: Table1, own: OwnRows, source: Table1Source, seconds: float, workers: int
 ) -> dict[str, Any]:
     """Return the document; a cell is an object under a light, for a detail source and setting."""
-    rows_of_lights = (2 if own.table else 1) * len(DETAIL_SOURCES) + len(own.methods)
-    expected = len(table.objects) * len(source.lights) * rows_of_lights * len(table.settings())
+    tables = [one for one in (table, own.table) if one]
+    sources = sum(len([name for name in one.sources() if name != BASELINE]) for one in tables)
+    measured = (sources + len(own.methods)) * len(source.lights) * len(table.settings())
+    expected = len(table.objects) * measured
     missing = len(table.missing_entries()) + len(own.missing_entries())
     provenance = provenance_of(
         protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",

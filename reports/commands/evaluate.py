@@ -21,6 +21,7 @@ from reports.commands.options import (
     MethodSeconds,
     Only,
     Plan,
+    Quick,
     Scheduler,
     Shape,
     Size,
@@ -58,6 +59,7 @@ def rerendering_command(
     detail_layer: DetailLayer = None,
     weight_rule: WeightRules = None,
     keep_models: KeepModels = False,
+    quick: Quick = False,
     plan: Plan = False,
     json: JsonFile = None,
 ) -> None:
@@ -79,7 +81,8 @@ def rerendering_command(
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
     if plan:
-        say_plan(source, channels, store, only=parse_only(only or []), force=force, json=json)
+        wanted = parse_only(only or [])
+        say_plan(source, channels, store, only=wanted, force=force, quick=quick, json=json)
         return
     require_writable(json)
     run = measure_table1(
@@ -90,6 +93,7 @@ def rerendering_command(
         own=own,
         store=store,
         keep_models=keep_models,
+        quick=quick,
         options=RunOptions(workers, scheduler, parse_only(only or []), force, task_seconds),
     )
     print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))

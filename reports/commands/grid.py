@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from reports.commands.options import Channels, DataRoot, Dataset, Force, JsonFile, Only, Size
+from reports.commands.options import Channels, DataRoot, Dataset, Force, JsonFile, Only, Quick, Size
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -28,6 +28,7 @@ def status_command(
     data: DataRoot = None,
     size: Size = 300,
     channels: Channels = "gray",
+    quick: Quick = False,
     json: JsonFile = None,
 ) -> None:
     """Say how many cells are done and to run, which failed and why, and what is damaged."""
@@ -40,7 +41,7 @@ def status_command(
 
     source = open_source(data, dataset, size=size)
     say(source.notice)
-    experiment = source_experiment(source, channels)
+    experiment = source_experiment(source, channels, quick=quick)
     summary = grid_summary(experiment, RowStore(store / ROWS))
     faults = {path: blob_fault(path) for path in blob_files(store / BLOBS)}
     broken = {f"{path.parent.name}/{path.name}": why for path, why in faults.items() if why}
@@ -61,6 +62,7 @@ def plan_command(
     channels: Channels = "gray",
     only: Only = None,
     force: Force = False,
+    quick: Quick = False,
     json: JsonFile = None,
 ) -> None:
     """Say what a run would measure and cost, from the cells measured so far; run nothing."""
@@ -70,7 +72,8 @@ def plan_command(
 
     source = open_source(data, dataset, size=size)
     say(source.notice)
-    say_plan(source, channels, store, only=parse_only(only or []), force=force, json=json)
+    wanted = parse_only(only or [])
+    say_plan(source, channels, store, only=wanted, force=force, quick=quick, json=json)
 
 
 @app.command("archive")
@@ -133,6 +136,7 @@ def say_plan(
     *,
     only: Mapping[str, Sequence[str]] | None = None,
     force: bool = False,
+    quick: bool = False,
     json: Path | None = None,
 ) -> None:
     """Print what a run would measure and cost, and write it to a file if one is given.
@@ -145,6 +149,8 @@ def say_plan(
         Where measured cells are looked for.
     only, force : optional
         As in `evaluation.grid_run.RunOptions`.
+    quick : bool
+        Without the cells that need SIRFS.
     json : Path, optional
     """
     from evaluation.grid_plan import grid_plan
@@ -152,7 +158,8 @@ def say_plan(
     from reports.result_files import write_json
     from reports.table1_run import source_experiment
 
-    plan = grid_plan(source_experiment(source, channels), store, only, force=force)
+    experiment = source_experiment(source, channels, quick=quick)
+    plan = grid_plan(experiment, store, only, force=force)
     say(*plan.lines())
     if json is not None:
         write_json(json, plan.document())

@@ -36,6 +36,9 @@ Store = Annotated[
 KeepModels = Annotated[
     bool, typer.Option("--keep-models", help="Keep the object models in the store, too.")
 ]
+Quick = Annotated[
+    bool, typer.Option("--quick", help="Leave out what needs SIRFS; the results say so.")
+]
 Plan = Annotated[
     bool, typer.Option("--plan", help="Say what would be measured and its cost; run nothing.")
 ]

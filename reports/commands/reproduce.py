@@ -21,6 +21,7 @@ from reports.commands.options import (
     Methods,
     MethodSeconds,
     Plan,
+    Quick,
     Scheduler,
     Shape,
     Size,
@@ -55,6 +56,7 @@ def reproduce_command(
     detail_layer: DetailLayer = None,
     weight_rule: WeightRules = None,
     keep_models: KeepModels = False,
+    quick: Quick = False,
     plan: Plan = False,
     json: JsonFile = None,
 ) -> None:
@@ -83,7 +85,7 @@ def reproduce_command(
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
     if plan:
-        say_plan(source, channels, out / "store", force=force, json=json)
+        say_plan(source, channels, out / "store", force=force, quick=quick, json=json)
         return
     require_writable(*results, table, out / "report" / "report.pdf")
     run = measure_table1(
@@ -93,6 +95,7 @@ def reproduce_command(
         own=own,
         store=out / "store",
         keep_models=keep_models,
+        quick=quick,
         options=RunOptions(workers, scheduler, None, force, task_seconds),
     )
     print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))

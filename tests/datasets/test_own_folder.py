@@ -195,7 +195,7 @@ def test_rerendering_is_measured_on_a_set_of_ones_own(
     write_object(own / "pot", lit=0)
     target = tmp_path / "rows.json"
     command = ["evaluate", "rerendering", "--dataset", str(own), "--workers", "1"]
-    assert run([*command, "--json", str(target)]) == 0
+    assert run([*command, "--quick", "--json", str(target)]) == 0
     rows = json.loads(target.read_text())["rows"]
     assert {row["setting"] for row in rows} == {"photograph"}
     assert {row["dataset"] for row in rows} == {"own:set"}

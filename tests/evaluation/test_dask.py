@@ -98,7 +98,7 @@ def test_table1_through_dask_is_the_serial_one(
 ) -> None:
     """Row for row, to the last bit, and every cell is there."""
     through = run_table1(
-        tiny_set, LIGHTS, shipped_parameters(), options=RunOptions(scheduler=cluster)
+        tiny_set, LIGHTS, shipped_parameters(), quick=True, options=RunOptions(scheduler=cluster)
     )
     assert through.missing == ()
     assert through.rows() == tiny_table.rows()
@@ -214,6 +214,7 @@ def test_the_command_runs_on_a_cluster(
     """``evaluate rerendering --scheduler`` writes the rows of a run on this machine."""
     synthesize(tmp_path / "set", size=40, samples=1, objects=["apple", "pear"], workers=1)
     command = ["evaluate", "rerendering", "--data", str(tmp_path / "set"), "--workers", "1"]
+    command.append("--quick")
     written = []
     for name, options in (("here", ()), ("cluster", ("--scheduler", cluster))):
         target = tmp_path / f"{name}.json"

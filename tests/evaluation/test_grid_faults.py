@@ -54,7 +54,7 @@ from tests.evaluation.conftest import LIGHTS
 folder = Path(sys.argv[2])
 dataset, parameters = Synthetic(Path(sys.argv[1])), shipped_parameters()
 print("started", flush=True)
-run_table1(dataset, LIGHTS, parameters, store=RowStore(folder / "rows.jsonl"),
+run_table1(dataset, LIGHTS, parameters, store=RowStore(folder / "rows.jsonl"), quick=True,
            kept=KeptModels(folder / "blobs"), options=RunOptions(workers=int(sys.argv[3])))
 """
 
@@ -125,7 +125,7 @@ def test_table1_killed_again_and_again(
     assert set(codes) <= {-signal.SIGKILL, 0}
     assert codes.count(-signal.SIGKILL) >= TABLE_KILLS // 2
     kept = KeptModels(tmp_path / BLOBS)
-    table = run_table1(tiny_set, LIGHTS, shipped_parameters(), store=store, kept=kept)
+    table = run_table1(tiny_set, LIGHTS, shipped_parameters(), store=store, kept=kept, quick=True)
     assert same_tables(tiny_table, table)
 
 
@@ -188,12 +188,12 @@ def test_a_deleted_and_a_damaged_model(
     """Kept models change no bit; one that was deleted or damaged is told and built again."""
     kept = KeptModels(tmp_path / BLOBS)
     parameters = shipped_parameters()
-    assert same_tables(tiny_table, run_table1(tiny_set, LIGHTS, parameters, kept=kept))
+    assert same_tables(tiny_table, run_table1(tiny_set, LIGHTS, parameters, kept=kept, quick=True))
     models = list(blob_files(kept.folder))
     assert len(models) == 2 * len(tiny_set.objects) * len(tiny_set.settings)
     models[0].unlink()
     os.truncate(models[1], 1000)
-    assert same_tables(tiny_table, run_table1(tiny_set, LIGHTS, parameters, kept=kept))
+    assert same_tables(tiny_table, run_table1(tiny_set, LIGHTS, parameters, kept=kept, quick=True))
     told = " ".join(record.getMessage() for record in caplog.records)
     assert "its content was deleted; it is made again" in told
     assert "does not fit its SHA-256; it is made again" in told

@@ -139,7 +139,7 @@ def test_a_weight_rule_of_ones_own_is_a_row(tiny_set: Synthetic, tiny_table: Tab
     """It stands last in every entry, with the error at its weights; the others stay."""
     name = f"{PARTS}:quarter"
     rules = own_choices(weight_rules=[name]).weight_rules()
-    table = run_table1(tiny_set, LIGHTS, shipped_parameters(), rules=rules)
+    table = run_table1(tiny_set, LIGHTS, shipped_parameters(), rules=rules, quick=True)
     assert [row for row in table.rows() if row["weights"] != name] == tiny_table.rows()
     cell = table.results[0].cells["default"][0]
     from shading_model.object_model import Weights

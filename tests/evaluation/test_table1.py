@@ -14,7 +14,7 @@ from datasets.model_parameters import shipped_parameters
 from datasets.synthetic import Synthetic
 from evaluation.grid_run import RunOptions
 from evaluation.table1 import Table1, run_table1
-from evaluation.table1_grid import DETAIL_SOURCES
+from evaluation.table1_grid import QUICK_SOURCES
 from evaluation.weight_rules import WEIGHT_RULES
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics
@@ -52,7 +52,7 @@ def test_there_is_one_row_for_each_entry(tiny_table: Table1) -> None:
     rows = tiny_table.rows()
     assert all(list(row) == KEYS for row in rows)
     entries = [(row["setting"], row["detail_source"], row["weights"]) for row in rows]
-    assert len(set(entries)) == len(entries) == 2 * len(DETAIL_SOURCES) * len(WEIGHT_RULES)
+    assert len(set(entries)) == len(entries) == 2 * len(QUICK_SOURCES) * len(WEIGHT_RULES)
     assert {row["method"] for row in rows} == {"ours"}
     assert {row["cells"] for row in rows} == {len(OBJECTS) * len(LIGHTS)}
     assert all(0 < row["imse"] < 1 and 0 < row["relative_imse"] < 1 for row in rows)
@@ -61,7 +61,7 @@ def test_there_is_one_row_for_each_entry(tiny_table: Table1) -> None:
 def test_no_rule_beats_the_oracle_in_any_cell(tiny_table: Table1) -> None:
     """Oracle <= regression, default, manual and coarse, for every object and light."""
     for setting in tiny_table.settings():
-        for source in DETAIL_SOURCES:
+        for source in QUICK_SOURCES:
             best = tiny_table.errors(setting, source, "oracle")
             assert best.shape == (len(OBJECTS), len(LIGHTS))
             for rule in WEIGHT_RULES:
@@ -88,13 +88,14 @@ def test_two_workers_give_the_numbers_of_one(tiny_set: Synthetic, tiny_table: Ta
         tiny_set,
         LIGHTS,
         shipped_parameters(),
+        quick=True,
         options=RunOptions(workers=2),
         progress=lambda done, total, what: steps.append((done, total, what)),
     )
     assert both.rows() == tiny_table.rows()
     assert both.object_rows() == tiny_table.object_rows()
     assert both.intrinsic_rows() == tiny_table.intrinsic_rows()
-    each = (len(DETAIL_SOURCES) + 1) * len(LIGHTS)
+    each = (len(QUICK_SOURCES) + 1) * len(LIGHTS)
     total = 2 * len(OBJECTS) * each
     assert [step[0] for step in steps] == list(range(each, total + 1, each))
     assert {step[1] for step in steps} == {total}
@@ -105,7 +106,7 @@ def test_a_subset_reports_the_numbers_of_the_full_run(
     tiny_set: Synthetic, tiny_table: Table1
 ) -> None:
     """The regression still learns from all objects, so each object's numbers stay."""
-    part = run_table1(tiny_set, LIGHTS, shipped_parameters(), objects=["cup"])
+    part = run_table1(tiny_set, LIGHTS, shipped_parameters(), objects=["cup"], quick=True)
     assert part.objects == ("cup",)
     full = [row for row in tiny_table.object_rows() if row["object"] == "cup"]
     assert part.object_rows() == full
@@ -169,7 +170,7 @@ def test_one_object_leaves_the_regression_unknown(tiny_table: Table1) -> None:
 def test_colour_compares_three_channels(tiny_set: Synthetic, tiny_table: Table1) -> None:
     """With `color` the albedo's hue counts too: other numbers, the same entries."""
     single = OneObject(tiny_set, ("cup",))
-    color = run_table1(single, LIGHTS[:1], shipped_parameters(), channels="color")
+    color = run_table1(single, LIGHTS[:1], shipped_parameters(), channels="color", quick=True)
     assert color.channels == "color"
     assert [row["weights"] for row in color.rows()] == [row["weights"] for row in tiny_table.rows()]
     gray = tiny_table.errors("natural", "default", "oracle")[1, 0]
@@ -179,10 +180,10 @@ def test_colour_compares_three_channels(tiny_set: Synthetic, tiny_table: Table1)
 def test_unknown_objects_and_coloured_lights_are_refused(tiny_set: Synthetic) -> None:
     """Before anything is measured, in one sentence."""
     with pytest.raises(RelightlabError, match=r"Unknown object 'cups'\. Did you mean 'cup'"):
-        run_table1(tiny_set, LIGHTS, shipped_parameters(), objects=["cups"])
+        run_table1(tiny_set, LIGHTS, shipped_parameters(), objects=["cups"], quick=True)
     colored = (LogHarmonics(np.zeros((9, 3))),)
     with pytest.raises(RelightlabError, match="lights of one colour"):
-        run_table1(tiny_set, colored, shipped_parameters())
+        run_table1(tiny_set, colored, shipped_parameters(), quick=True)
 
 
 # Measured by a rough prototype with this protocol (mean I^2 0.0715), before the project began.
@@ -207,7 +208,11 @@ def test_the_measured_table_is_at_least_as_good_as_the_prototype(
     """All entries of MIT-Berkeley, 400 cells each, none worse than was reached before."""
     lights = table1_lights(data_root)
     table = run_table1(
-        MitBerkeley(mit_berkeley_root), lights, shipped_parameters(), options=RunOptions(workers=2)
+        MitBerkeley(mit_berkeley_root),
+        lights,
+        shipped_parameters(),
+        quick=True,
+        options=RunOptions(workers=2),
     )
     rows = table.rows()
     assert {row["cells"] for row in rows} == {400}
@@ -218,7 +223,7 @@ def test_the_measured_table_is_at_least_as_good_as_the_prototype(
     flat = {row["setting"]: row["imse"] for row in table.baselines()}
     assert all(round(flat[setting], 4) <= limit for setting, limit in FLAT.items())
     for setting in table.settings():
-        for source in DETAIL_SOURCES:
+        for source in QUICK_SOURCES:
             best = table.errors(setting, source, "oracle")
             for rule in WEIGHT_RULES:
                 assert (best <= table.errors(setting, source, rule) + 1e-12).all()

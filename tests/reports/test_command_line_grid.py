@@ -25,6 +25,7 @@ def store(small_set: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a store that holds half of the cells and their models."""
     folder = tmp_path_factory.mktemp("half") / "store"
     command = ["evaluate", "rerendering", "--data", str(small_set), "--workers", "1"]
+    command.append("--quick")
     only = ["--only", "setting=natural", "--keep-models", "--store", str(folder)]
     assert run([*command, *only]) == 3
     return folder
@@ -32,7 +33,7 @@ def store(small_set: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def grid(command: str, store: Path, small_set: Path, target: Path) -> dict[str, Any]:
     """Run a command on the half store and return the document it wrote."""
-    options = ["--store", str(store), "--data", str(small_set), "--json", str(target)]
+    options = ["--store", str(store), "--data", str(small_set), "--json", str(target), "--quick"]
     assert run(["grid", command, *options]) == 0
     document: dict[str, Any] = json.loads(target.read_text())
     return document
@@ -82,7 +83,7 @@ def test_plan_is_the_same_wherever_it_is_asked_for(
     assert document["blob_bytes"] > document["row_bytes"] > 0
     other = tmp_path / "e.json"
     command = ["evaluate", "rerendering", "--data", str(small_set), "--store", str(store)]
-    assert run([*command, "--plan", "--json", str(other)]) == 0
+    assert run([*command, "--quick", "--plan", "--json", str(other)]) == 0
     assert json.loads(other.read_text()) == document
     assert (store / "rows.jsonl").read_bytes() == before
     assert capsys.readouterr().out.count("60 to run in 1 tasks") == 2
@@ -93,7 +94,7 @@ def test_reproduce_can_be_planned(
 ) -> None:
     """``reproduce --plan`` says what it would measure, and writes nothing."""
     out = tmp_path / "out"
-    assert run(["reproduce", "--data", str(small_set), "--out", str(out), "--plan"]) == 0
+    assert run(["reproduce", "--data", str(small_set), "--out", str(out), "--quick", "--plan"]) == 0
     assert "120 cells, 0 done, 120 to run in 2 tasks" in capsys.readouterr().out
     assert not out.exists()
 
@@ -128,7 +129,7 @@ def test_wrong_use_is_one_sentence(
     small_set: Path, arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """What cannot be done is told in one sentence, with exit code 2."""
-    data = ["--data", str(small_set)] if arguments[0] == "plan" else []
+    data = ["--data", str(small_set), "--quick"] if arguments[0] == "plan" else []
     assert run(["grid", *arguments, *data]) == 2
     assert words in capsys.readouterr().err
 
@@ -138,5 +139,5 @@ def test_models_are_kept_in_a_store_only(
 ) -> None:
     """Asked to keep models without a store, the command says what is missing."""
     command = ["evaluate", "rerendering", "--data", str(small_set), "--workers", "1"]
-    assert run([*command, "--keep-models"]) == 2
+    assert run([*command, "--quick", "--keep-models"]) == 2
     assert "give its folder with --store" in capsys.readouterr().err

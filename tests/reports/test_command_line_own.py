@@ -27,7 +27,7 @@ def two_objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def rerendering(two_objects: Path, *options: str) -> int:
     """Run ``evaluate rerendering`` in this process and return its exit code."""
     command = ["evaluate", "rerendering", "--data", str(two_objects), "--workers", "1"]
-    return run([*command, *options])
+    return run([*command, "--quick", *options])
 
 
 def test_everything_at_once_has_its_rows(

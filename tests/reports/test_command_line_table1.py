@@ -28,7 +28,7 @@ def small_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def rerendering(small_set: Path, target: Path, *options: str) -> dict[str, list[dict[str, object]]]:
     """Run ``evaluate rerendering`` and return the document it wrote."""
     command = ["evaluate", "rerendering", "--data", str(small_set), "--json", str(target)]
-    assert run([*command, *options]) == 0
+    assert run([*command, "--quick", *options]) == 0
     document: dict[str, list[dict[str, object]]] = json.loads(target.read_text())
     return document
 
@@ -80,7 +80,7 @@ def test_wrong_names_and_numbers(
 ) -> None:
     """Names and numbers out of range are refused in one sentence."""
     command = ["evaluate", "rerendering", "--data", str(small_set), "--workers", "1"]
-    assert run([*command, *options]) == 2
+    assert run([*command, "--quick", *options]) == 2
     assert words in capsys.readouterr().err
 
 
@@ -117,7 +117,7 @@ def test_reproduce_writes_all_its_results(
     out = tmp_path / "out"
     copy = tmp_path / "copy.json"
     command = ["reproduce", "--data", str(small_set), "--out", str(out), "--workers", "1"]
-    assert run([*command, "--json", str(copy)]) == 0
+    assert run([*command, "--quick", "--json", str(copy)]) == 0
     results = out / "results" / "table1.json"
     assert copy.read_bytes() == results.read_bytes()
     document = json.loads(results.read_text())
