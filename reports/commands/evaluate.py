@@ -19,6 +19,7 @@ from reports.commands.options import (
     MethodCommands,
     Methods,
     MethodSeconds,
+    Objects,
     Only,
     Plan,
     Quick,
@@ -28,6 +29,7 @@ from reports.commands.options import (
     Store,
     TaskSeconds,
     WeightRules,
+    Without,
     Workers,
     names_of,
     numbers_of,
@@ -40,9 +42,7 @@ app = typer.Typer(help="Measure the model.")
 def rerendering_command(
     dataset: Dataset = None,
     data: DataRoot = None,
-    objects: Annotated[
-        str | None, typer.Option(metavar="A,B", help="Report these objects only.")
-    ] = None,
+    objects: Objects = None,
     channels: Channels = "gray",
     manual: Manual = "0.5,0.5",
     size: Size = 300,
@@ -101,3 +101,55 @@ def rerendering_command(
         write_json(json, run.document)
         say(f"written: {json}")
     stop_if_incomplete(run.document)
+
+
+@app.command("sirfs")
+def sirfs_command(
+    dataset: Dataset = None,
+    data: DataRoot = None,
+    objects: Objects = None,
+    setting: Annotated[
+        str, typer.Option(help="'natural', 'laboratory' or 'both'; its lights are the likely ones.")
+    ] = "both",
+    channels: Annotated[str, typer.Option(help="Fit 'color' or 'gray' photographs.")] = "color",
+    without: Without = None,
+    size: Size = 300,
+    workers: Workers = 2,
+    scheduler: Scheduler = None,
+    store: Store = None,
+    force: Force = False,
+    task_seconds: TaskSeconds = None,
+    plan: Plan = False,
+    json: JsonFile = None,
+) -> None:
+    """Fit SIRFS to the photographs and compare shape, albedo, shading and light with the truth."""
+    from evaluation.grid_run import RunOptions
+    from reports.commands.grid import say_plan_of
+    from reports.console import print_table, say
+    from reports.result_files import require_writable, write_json
+    from reports.sirfs_run import (
+        COLUMNS,
+        SirfsChoice,
+        choice_experiment,
+        measure_sirfs_errors,
+        sirfs_lines,
+        sirfs_title,
+    )
+    from reports.table1_run import open_source
+    from reports.table1_text import stop_if_incomplete
+
+    left_out = tuple(term for words in without or () for term in names_of(words))
+    choice = SirfsChoice(names_of(objects), setting, channels, left_out)
+    source = open_source(data, dataset, size=size, workers=workers)
+    say(source.notice)
+    if plan:
+        say_plan_of(choice_experiment(source, choice, store), store, force=force, json=json)
+        return
+    require_writable(json)
+    options = RunOptions(workers, scheduler, None, force, task_seconds)
+    document = measure_sirfs_errors(source, choice, store=store, options=options)
+    print_table(sirfs_title(document), COLUMNS, sirfs_lines(document))
+    if json is not None:
+        write_json(json, document)
+        say(f"written: {json}")
+    stop_if_incomplete(document)

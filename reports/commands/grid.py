@@ -13,6 +13,7 @@ from reports.commands.options import Channels, DataRoot, Dataset, Force, JsonFil
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from evaluation.experiment import Experiment
     from reports.table1_run import Table1Source
 
 DEFAULT_STORE = Path("out") / "store"
@@ -139,7 +140,7 @@ def say_plan(
     quick: bool = False,
     json: Path | None = None,
 ) -> None:
-    """Print what a run would measure and cost, and write it to a file if one is given.
+    """Print what a run of Table 1 would measure and cost, and write it to a file if one is given.
 
     Parameters
     ----------
@@ -153,12 +154,32 @@ def say_plan(
         Without the cells that need SIRFS.
     json : Path, optional
     """
-    from evaluation.grid_plan import grid_plan
-    from reports.console import say
-    from reports.result_files import write_json
     from reports.table1_run import source_experiment
 
     experiment = source_experiment(source, channels, quick=quick)
+    say_plan_of(experiment, store, only=only, force=force, json=json)
+
+
+def say_plan_of(
+    experiment: Experiment,
+    store: Path | None,
+    *,
+    only: Mapping[str, Sequence[str]] | None = None,
+    force: bool = False,
+    json: Path | None = None,
+) -> None:
+    """Print what a run of an experiment would measure and cost, as `say_plan` does.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    store : Path or None
+    only, force, json : optional
+    """
+    from evaluation.grid_plan import grid_plan
+    from reports.console import say
+    from reports.result_files import write_json
+
     plan = grid_plan(experiment, store, only, force=force)
     say(*plan.lines())
     if json is not None:

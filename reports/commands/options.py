@@ -36,6 +36,10 @@ Store = Annotated[
 KeepModels = Annotated[
     bool, typer.Option("--keep-models", help="Keep the object models in the store, too.")
 ]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(metavar="TERM", help="Leave a term of the loss out; again for more."),
+]
 Quick = Annotated[
     bool, typer.Option("--quick", help="Leave out what needs SIRFS; the results say so.")
 ]
@@ -46,6 +50,7 @@ Dataset = Annotated[
     str | None,
     typer.Option(help="mit-berkeley, synthetic or a folder; by default the first that is found."),
 ]
+Objects = Annotated[str | None, typer.Option(metavar="A,B", help="Report these objects only.")]
 Channels = Annotated[str, typer.Option(help="Compare 'gray' or all three, 'color'.")]
 Size = Annotated[int, typer.Option(help="Side of the synthetic pictures in pixels.")]
 Manual = Annotated[str, typer.Option(metavar="W_P,W_G", help="The weights reported as 'manual'.")]

@@ -43,7 +43,8 @@ def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     [
         *(["reproduce"], ["data", "list"], ["data", "fetch"], ["data", "verify"]),
         *(["data", "synthesize"], ["model", "build"], ["model", "relight"]),
-        *(["evaluate", "rerendering"], ["gate", "check"], ["gate", "record"]),
+        *(["evaluate", "rerendering"], ["evaluate", "sirfs"]),
+        *(["gate", "check"], ["gate", "record"]),
         *(["grid", name] for name in ("status", "plan", "archive", "verify", "merge")),
     ],
 )
