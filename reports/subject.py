@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from datasets.records import Capture, Dataset
 from evaluation.retinex_thresholds import thresholds_for
+from evaluation.sirfs.result import SirfsFit
+from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import (
     ModelParameters,
@@ -38,6 +41,14 @@ class BuiltObject:
     model: ObjectModel
 
 
+class Fits(Protocol):
+    """Where fits of SIRFS are kept, see `evaluation.sirfs_fits.SirfsFits`."""
+
+    def fit(self, dataset: Dataset, name: str, setting: str) -> SirfsFit:
+        """Return the fit to an object's photograph in one setting."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Subject:
     """A result as `evaluation.table1_results.table1_document` has it, and where it came from.
@@ -50,12 +61,15 @@ class Subject:
         The lights of the result, one colour each.
     parameters : ModelParameters
         As the result was measured with.
+    fits : Fits, optional
+        Those of the result, to be shown; without them no fit is.
     """
 
     document: dict[str, Any]
     dataset: Dataset
     lights: tuple[LogHarmonics, ...]
     parameters: ModelParameters
+    fits: Fits | None = None
     _built: dict[tuple[str, str], BuiltObject] = field(default_factory=dict, repr=False)
 
     @property
@@ -96,6 +110,18 @@ class Subject:
         if key not in self._built:
             self._built[key] = build_object(self.dataset, name, setting, self.parameters)
         return self._built[key]
+
+    def fitted(self, name: str, setting: str) -> SirfsFit | None:
+        """Return the fit of SIRFS to an object's photograph; None if there is none, or it failed.
+
+        Parameters
+        ----------
+        name, setting : str
+        """
+        if self.fits is not None:
+            with suppress(RelightlabError):  # the table says which fits failed, and why
+                return self.fits.fit(self.dataset, name, setting)
+        return None
 
 
 def build_object(

@@ -31,7 +31,8 @@ from reports.paper_equations import EQUATIONS
 from reports.pdf_renderer import write_pdf
 from reports.pictures import diverging_stops
 from reports.rows_behind import Rows, rows_behind
-from reports.subject import Subject
+from reports.sirfs_section import sirfs_section
+from reports.subject import Fits, Subject
 from reports.table1_entries import is_quick, missing_reasons
 from reports.table1_objects import object_table, own_object_table
 from reports.table1_section import difference_section, table_section
@@ -60,6 +61,7 @@ def write_report(
     dataset: Dataset,
     lights: Sequence[LogHarmonics],
     parameters: ModelParameters,
+    fits: Fits | None = None,
 ) -> tuple[Path, Path]:
     """Write the report of a measured Table 1 as one HTML page and as a PDF.
 
@@ -78,6 +80,8 @@ def write_report(
         The lights of the result.
     parameters : ModelParameters
         As the result was measured with.
+    fits : Fits, optional
+        Where the fits of SIRFS are kept, one of which is shown.
 
     Returns
     -------
@@ -90,7 +94,7 @@ def write_report(
         If the document is of another dataset or other lights, reports no object, or a file
         cannot be written.
     """
-    report = table1_report(Subject(document, dataset, tuple(lights), parameters))
+    report = table1_report(Subject(document, dataset, tuple(lights), parameters, fits))
     page, printed = folder / PAGE, folder / PRINTED
     write_html(page, report)
     write_pdf(printed, report)
@@ -120,6 +124,7 @@ def table1_report(subject: Subject) -> Report:
         difference_section(document),
         _model_section(),
         *_figure_sections(subject),
+        *([rival] if (rival := sirfs_section(subject)) else []),
     )
     stamps = tuple(_stamps(subject))
     report = Report(

@@ -39,6 +39,10 @@ def with_rival(document: dict[str, Any]) -> dict[str, Any]:
         fit_row(row["object"], row["setting"], 1 + number / 10)
         for number, row in enumerate(found["intrinsic"])
     ]
+    found["sirfs_summary"] = [
+        fit_row("all", setting) | {"objects": len({row["object"] for row in found["objects"]})}
+        for setting in RIVAL_SHARES
+    ]
     return found
 
 
@@ -60,7 +64,7 @@ def left_out(
     ]
     kept = {
         part: [row for row in document[part] if not _is_left_out(row, settings)]
-        for part in ("rows", "objects", "test_rows", "sirfs_rows")
+        for part in ("rows", "objects", "test_rows", "sirfs_rows", "sirfs_summary")
         if part in document
     }
     return document | kept | {"open": entries, "quick": True}

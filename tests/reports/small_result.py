@@ -20,6 +20,7 @@ from reports.subject import Subject
 from reports.table1_report import PAGE, table1_report, write_report
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters
+from tests.reports.fake_fits import TruthFits
 from tests.reports.rival_rows import left_out, with_rival
 
 OBJECTS = ("apple", "cup", "shell")
@@ -37,7 +38,7 @@ class SmallResult:
     def subject(self, **changes: Any) -> Subject:
         """Return the subject of the figures, with changed parts of the document."""
         document = copy.deepcopy(self.document) | changes
-        return Subject(document, self.dataset, self.lights, self.parameters)
+        return Subject(document, self.dataset, self.lights, self.parameters, TruthFits())
 
     def report(self, **changes: Any) -> Report:
         """Return the content of the report, with changed parts of the document."""
@@ -51,6 +52,7 @@ class SmallResult:
             dataset=self.dataset,
             lights=self.lights,
             parameters=self.parameters,
+            fits=TruthFits(),
         )
         return page.read_text(encoding="utf-8")
 

@@ -85,6 +85,7 @@ def test_every_table_is_captioned_and_its_headings_scoped(outline: Element) -> N
     identifiers = [table.attributes["id"] for table in outline.all("table")]
     assert identifiers == [
         *("entries", "entries-held-out", "differences", "objects-natural", "objects-laboratory"),
+        *("sirfs-summary", "sirfs-natural-colour", "sirfs-laboratory-colour"),
         *("facts", "rows-behind"),
     ]
     for one in outline.all("table"):
