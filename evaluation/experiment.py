@@ -46,6 +46,8 @@ class Experiment:
         All that the values depend on, by name: content hashes, parameters, versions.
     seed : str
         Name that random draws were seeded from.
+    cost_axis : str
+        Axis whose values cost differently, for estimates; empty where all cells cost alike.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Experiment:
     context: Any
     inputs: dict[str, str]
     seed: str
+    cost_axis: str = ""
 
     @property
     def size(self) -> int:

@@ -1,21 +1,24 @@
 """What a run of a grid would cost, from what its measured cells have cost; nothing is run.
 
 The estimate is the mean over all measured cells of the experiment in the store, also of those that
-other inputs gave, times the cells to run. The first cell of a task carries the work that the others
-share: whoever measures a few cells for an estimate should measure whole tasks.
+other inputs gave, times the cells to run; where an experiment says that the values of one of its
+axes cost differently, for each value by itself. The first cell of a task carries the work that the
+others share: whoever measures a few cells for an estimate should measure whole tasks.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from evaluation.blob_store import BLOBS, blob_files
-from evaluation.experiment import Experiment
-from evaluation.grid_status import CLOSED, cell_place, cell_states
+from evaluation.experiment import Cell, Experiment
+from evaluation.grid_status import CLOSED, GridSummary, cell_states
 from evaluation.row_store import ROWS, MemoryRows, RowStore
+from evaluation.stored_cells import cell_place
 
 _UNITS = ("B", "kB", "MB", "GB", "TB", "PB")
 
@@ -36,6 +39,8 @@ class GridPlan:
         Of one core; None where no cell was measured yet.
     row_bytes, blob_bytes : int or None
         That the run will add to the store.
+    unknown : tuple of str
+        Kinds of cells of which none was measured yet: their cost is not counted.
     """
 
     protocol: str
@@ -48,10 +53,11 @@ class GridPlan:
     cpu_hours: float | None
     row_bytes: int | None
     blob_bytes: int | None
+    unknown: tuple[str, ...] = ()
 
     def document(self) -> dict[str, Any]:
         """Return the plan as plain JSON values."""
-        return asdict(self)
+        return {**asdict(self), "unknown": list(self.unknown)}
 
     def lines(self) -> list[str]:
         """Return the plan in words, one fact a line."""
@@ -67,6 +73,7 @@ class GridPlan:
             f"estimated from {self.measured} measured cells of {self.seconds_per_cell:.3g} s each:",
             f"  {self.cpu_hours:.3g} CPU-hours",
             f"  {in_words(self.row_bytes or 0)} of rows, {in_words(self.blob_bytes or 0)} of blobs",
+            *(f"  and the cost of {kind}, of which none was measured yet" for kind in self.unknown),
         ]
 
 
@@ -103,6 +110,7 @@ def grid_plan(
     chosen = [cell for cell in experiment.cells(only) if states[place(cell)] not in closed]
     each = summary.seconds / summary.measured if summary.measured else None
     share = len(chosen) / summary.measured if summary.measured else None
+    seconds, unknown = _seconds(experiment, summary, chosen)
     # A cell that is measured again finds its blobs.
     heavy = len(chosen) / (summary.done or summary.measured or 1)
     return GridPlan(
@@ -113,10 +121,21 @@ def grid_plan(
         tasks=len(experiment.tasks(chosen)),
         measured=summary.measured,
         seconds_per_cell=None if each is None else round(each, 6),
-        cpu_hours=None if each is None else round(each * len(chosen) / 3600, 6),
+        cpu_hours=None if each is None else round(seconds / 3600, 6),
         row_bytes=None if share is None or folder is None else round(_row_bytes(folder) * share),
         blob_bytes=None if share is None or folder is None else round(_blob_bytes(folder) * heavy),
+        unknown=unknown if summary.measured else (),
     )
+
+
+def _seconds(
+    experiment: Experiment, summary: GridSummary, chosen: Sequence[Cell]
+) -> tuple[float, tuple[str, ...]]:
+    """Return what cells are expected to take, and the kinds of them that nothing foretells."""
+    kinds = Counter(cell.get(experiment.cost_axis, "") for cell in chosen)
+    unknown = tuple(kind for kind in kinds if not summary.costs[kind][1])
+    known = {kind: summary.costs[kind] for kind in kinds if kind not in unknown}
+    return sum(kinds[kind] * seconds / rows for kind, (seconds, rows) in known.items()), unknown
 
 
 def in_words(count: float) -> str:

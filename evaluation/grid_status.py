@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from evaluation.experiment import Cell, CellKey, Experiment
+from evaluation.experiment import CellKey, Experiment
 from evaluation.row_lines import DamagedLine
 from evaluation.row_store import Rows
-from shading_model.errors import RelightlabError
+from evaluation.stored_cells import cell_place, last_line, own_rows
 
 DONE, FAILED, SKIPPED = "done", "failed", "skipped"
 STATES = {DONE: 1, SKIPPED: 2, FAILED: 3}
@@ -116,6 +115,8 @@ class GridSummary:
         Work of all measured rows, stale ones too.
     measured : int
         The rows that `seconds` counts.
+    costs : dict of (float, int)
+        Both by value of the experiment's cost axis; by the empty word where it has none.
     """
 
     protocol: str
@@ -129,6 +130,7 @@ class GridSummary:
     reasons: dict[str, int]
     seconds: float
     measured: int
+    costs: dict[str, tuple[float, int]]
 
     @property
     def to_run(self) -> int:
@@ -187,14 +189,16 @@ def cell_states(experiment: Experiment, store: Rows) -> tuple[bytearray, GridSum
     states = bytearray(experiment.size)
     reasons: dict[int, str] = {}
     damaged: list[int] = []
-    stale, seconds, measured = 0, 0.0, 0
+    axis = experiment.cost_axis
+    stale, costs = 0, dict.fromkeys(experiment.axes.get(axis, ("",)), (0.0, 0))
     place = cell_place(experiment)
     for row, own in own_rows(experiment, store):
         if isinstance(row, DamagedLine):
             damaged.append(row.number)
             continue
-        if row["status"] == DONE:
-            seconds, measured = seconds + row["seconds"], measured + 1
+        value = row["cell"].get(axis, "")
+        if row["status"] == DONE and value in costs:
+            costs[value] = (costs[value][0] + row["seconds"], costs[value][1] + 1)
         if not own:
             stale += 1
             continue
@@ -213,107 +217,11 @@ def cell_states(experiment: Experiment, store: Rows) -> tuple[bytearray, GridSum
         stale=stale,
         damaged=tuple(damaged),
         reasons=dict(left.most_common(SHOWN_REASONS)),
-        seconds=round(seconds, 3),
-        measured=measured,
+        seconds=round(sum(seconds for seconds, _ in costs.values()), 3),
+        measured=sum(rows for _, rows in costs.values()),
+        costs={value: (round(seconds, 3), rows) for value, (seconds, rows) in costs.items()},
     )
     return states, summary
-
-
-def last_line(reason: str) -> str:
-    r"""Return the last line of a traceback, which names the fault.
-
-    Parameters
-    ----------
-    reason : str
-
-    Examples
-    --------
-    >>> last_line("Traceback ...\n  ...\nValueError: no light\n")
-    'ValueError: no light'
-    """
-    return (reason.strip().splitlines() or [""])[-1]
-
-
-def missing_reason(row: Mapping[str, Any] | None) -> str:
-    """Return why a cell has no result, in the words of the fault alone.
-
-    Parameters
-    ----------
-    row : mapping, optional
-        The cell's last row, if it has one.
-
-    Examples
-    --------
-    >>> missing_reason(None)
-    'not measured'
-    >>> missing_reason({"reason": "shading_model.errors.RelightlabError: the mask is empty"})
-    'the mask is empty'
-    """
-    if row is None:
-        return "not measured"
-    return last_line(row["reason"]).removeprefix(f"{RelightlabError.__module__}.RelightlabError: ")
-
-
-def own_rows(
-    experiment: Experiment, store: Rows
-) -> Iterator[tuple[dict[str, Any] | DamagedLine, bool]]:
-    """Yield the rows of an experiment, and whether its own inputs gave them; and damaged lines.
-
-    Its own rows of cells that this grid leaves out, being a part of a larger one, are passed over.
-
-    Parameters
-    ----------
-    experiment : Experiment
-    store : Rows
-
-    Yields
-    ------
-    row or DamagedLine, bool
-
-    Raises
-    ------
-    RelightlabError
-        If the store holds rows of another version of the experiment's protocol.
-    """
-    wanted = experiment.input_hash()
-    for row in store.stream():
-        if isinstance(row, DamagedLine):
-            yield row, False
-        elif row["experiment"] == experiment.name:
-            if row["version"] != experiment.version:
-                raise RelightlabError(
-                    f"the store holds results of protocol {experiment.name} {row['version']}, this"
-                    f" is version {experiment.version}: keep it and choose another folder for the"
-                    " new"
-                )
-            own = row["inputs"] == wanted
-            if not own or experiment.has(row["cell"]):
-                yield row, own
-
-
-def cell_place(experiment: Experiment) -> Callable[[Cell], int]:
-    """Return the function from a cell to its place in grid order.
-
-    Parameters
-    ----------
-    experiment : Experiment
-
-    Returns
-    -------
-    callable
-    """
-    places = [
-        (axis, {value: place for place, value in enumerate(values)})
-        for axis, values in experiment.axes.items()
-    ]
-
-    def rank(cell: Cell) -> int:
-        number = 0
-        for axis, place in places:
-            number = number * len(place) + place[cell[axis]]
-        return number
-
-    return rank
 
 
 def _sentence(done: int, to_run: int, failed: int, stale: int, damaged: list[int]) -> str:

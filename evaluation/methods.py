@@ -15,9 +15,10 @@ import numpy as np
 from datasets.records import Dataset
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_run import Progress, RunOptions, run_grid
-from evaluation.grid_status import GridStatus, missing_reason
+from evaluation.grid_status import GridStatus
 from evaluation.rerendering import RerenderingCell, image_cell
 from evaluation.row_store import Rows
+from evaluation.stored_cells import missing_reason
 from evaluation.table1_grid import VERSION, shared_inputs
 from shading_model.arrays import Float, Image, Mask
 from shading_model.errors import RelightlabError

@@ -16,7 +16,7 @@ from datasets.records import Dataset
 from evaluation.code_version import code_hash
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions, run_grid
-from evaluation.grid_status import GridStatus, missing_reason
+from evaluation.grid_status import GridStatus
 from evaluation.object_sets import object_sets
 from evaluation.row_store import MemoryRows, Rows
 from evaluation.sirfs.metrics import (
@@ -27,6 +27,7 @@ from evaluation.sirfs.metrics import (
 )
 from evaluation.sirfs.settings import CHANNELS, term_weights
 from evaluation.sirfs_fits import SirfsFits, priors_in_use
+from evaluation.stored_cells import missing_reason
 from shading_model.errors import unknown_name
 
 NAME, VERSION = "sirfs", 1

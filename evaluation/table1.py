@@ -61,7 +61,7 @@ import numpy as np
 from datasets.records import Dataset
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, Progress, RunOptions, run_grid
-from evaluation.grid_status import GridStatus, missing_reason
+from evaluation.grid_status import GridStatus
 from evaluation.kept_models import KeptModels
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult
@@ -70,6 +70,7 @@ from evaluation.rerendering import monochrome_coefficients
 from evaluation.row_store import MemoryRows, Rows
 from evaluation.sirfs_fits import SirfsFits
 from evaluation.sirfs_measurement import RIVAL, SIRFS_SHADING
+from evaluation.stored_cells import missing_reason
 from evaluation.table1_grid import (
     BASELINE,
     DETAIL_SOURCES,

@@ -103,6 +103,7 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
             "priors": priors_in_use()[1],
         },
         seed=seed,
+        cost_axis="detail_source",
     )
 
 

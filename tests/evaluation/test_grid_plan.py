@@ -54,6 +54,26 @@ def test_rows_of_older_code_still_foretell(tmp_path: Path) -> None:
     assert (plan.done, plan.to_run, plan.measured, plan.seconds_per_cell) == (0, 12, 12, 0.5)
 
 
+def test_values_that_cost_differently(tmp_path: Path) -> None:
+    """Each value of the cost axis is foretold by itself; one that was never measured is named."""
+    experiment = small_experiment(cost_axis="object")
+    rows = [
+        {**row, "seconds": 10.0 if row["cell"]["object"] == "bear" else 1.0}
+        for row in rows_of(experiment)
+        if row["cell"]["object"] in {"apple", "bear"} and row["cell"]["light"] == "00"
+    ]
+    RowStore(tmp_path / ROWS).append(rows)
+    plan = grid_plan(experiment, tmp_path)
+    assert (plan.done, plan.to_run, plan.measured) == (2, 10, 2)
+    assert plan.cpu_hours == pytest.approx((2 * 1 + 2 * 10) / 3600, abs=1e-6)
+    assert plan.unknown == ("cup", "drum")
+    assert plan.lines()[-1] == "  and the cost of drum, of which none was measured yet"
+    assert plan.document()["unknown"] == ["cup", "drum"]
+    cheap = grid_plan(experiment, tmp_path, {"object": ["apple"]})
+    assert cheap.cpu_hours == pytest.approx(2 / 3600, abs=1e-6)
+    assert cheap.unknown == ()
+
+
 @pytest.mark.parametrize(
     ("count", "words"), [(0, "0 B"), (999, "999 B"), (1500, "1.5 kB"), (2.5e12, "2.5 TB")]
 )

@@ -24,7 +24,9 @@ PARTS = "tests.evaluation.own_parts"
 
 def measured(choices: OwnChoices, tiny_set: Synthetic, **options: object) -> OwnRows:
     """Return a user's rows on the tiny set."""
-    return run_own_rows(choices, tiny_set, LIGHTS, shipped_parameters(), **options)  # type: ignore[arg-type]
+    return run_own_rows(  # type: ignore[arg-type]
+        choices, tiny_set, LIGHTS, shipped_parameters(), quick=True, **options
+    )
 
 
 def test_our_model_as_a_method_has_our_numbers(tiny_set: Synthetic, tiny_table: Table1) -> None:
