@@ -63,7 +63,7 @@ def difference_loss(
             difference = here[j] - there[j]
             length = math.sqrt(difference * difference + floor * floor)
             place = (length - start_of_table) * inverse
-            knots[j] = np.int32(place if place < last else last)
+            knots[j] = np.int32(min(last, place))
             places[j] = place
             slopes[j] = difference / length
         total += _looked_up(table, knots, count, inverse, scratch)
@@ -120,7 +120,7 @@ def color_difference_loss(
             half = 0.5 * (d0 * d0 + d1 * d1 + d2 * d2)
             length = math.sqrt(half * half + floor * floor)
             place = length * inverse
-            knots[j] = np.int32(place if place < last else last)
+            knots[j] = np.int32(min(last, place))
             places[j] = place
             slopes[j] = half / length
         total += _looked_up(table, knots, count, inverse, scratch)
