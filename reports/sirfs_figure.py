@@ -99,12 +99,13 @@ def sirfs_figure(fit: SirfsFit, capture: Capture) -> PanelFigure:
     )
 
 
-def significant(value: float | None) -> str:
-    """Return a number with three significant digits, a dash for None or NaN.
+def significant(value: float | None, digits: int = 3) -> str:
+    """Return a number with some significant digits and no exponent, a dash for None or NaN.
 
     Parameters
     ----------
     value : float or None
+    digits : int
 
     Returns
     -------
@@ -112,12 +113,13 @@ def significant(value: float | None) -> str:
 
     Examples
     --------
-    >>> [significant(value) for value in (22.857, 0.46701, 0.0003146, None)]
-    ['22.9', '0.467', '0.000315', '–']
+    >>> [significant(value) for value in (22.857, 0.4, 0.0003146, None)]
+    ['22.9', '0.400', '0.000315', '–']
     """
     if value is None or not np.isfinite(value):
         return "–"  # noqa: RUF001  an en dash: no value
-    return np.format_float_positional(value, 3, unique=False, fractional=False, trim="-")
+    text = np.format_float_positional(value, digits, unique=False, fractional=False, trim="k")
+    return text.removesuffix(".")
 
 
 def _fitted_maps(fit: SirfsFit, capture: Capture) -> _Maps:

@@ -25,7 +25,8 @@ ERRORS = {
     "mean": "mean",
 }
 """Errors of a row, by their published names."""
-COSTS = {"final_loss": "loss", "evaluations": "evaluations", "seconds": "seconds"}
+COSTS = {"final_loss": "loss", "evaluations": "evaluations"}
+COST_DIGITS = 4
 INTRODUCTION = (
     "B+M is SIRFS, {shape, illumination and reflectance from shading} (Barron and Malik, TPAMI"
     " 2015), written anew from its formulas in its release 1.5. It explains one photograph by the"
@@ -38,7 +39,9 @@ SUMMARY_CAPTION = (
     " after the best scale (s-, r-, L-MSE), local squared error of albedo and shading (rs-MSE), and"
     " the geometric mean of the six. Its priors were trained on MIT_TRAIN."
 )
-OBJECTS_CAPTION = "Errors and cost of SIRFS for every object, {place}. Seconds are of one core."
+OBJECTS_CAPTION = (
+    "Errors of SIRFS for every object, {place}; its final loss, and evaluations of it."
+)
 
 Row = Mapping[str, Any]
 
@@ -148,12 +151,12 @@ def _object_tables(document: Mapping[str, Any], rows: Sequence[Row]) -> Iterable
 
 
 def _object_cells(row: Row) -> tuple[Cell, ...]:
-    errors, costs = _numbers(row, ERRORS), _numbers(row, COSTS)
+    errors, costs = _numbers(row, ERRORS), _numbers(row, COSTS, COST_DIGITS)
     return (Cell(row["object"], role="head"), *errors, *costs)
 
 
-def _numbers(row: Row, keys: Iterable[str]) -> list[Cell]:
-    return [Cell(significant(row[key])) for key in keys]
+def _numbers(row: Row, keys: Iterable[str], digits: int = 3) -> list[Cell]:
+    return [Cell(significant(row[key], digits)) for key in keys]
 
 
 def _by_place(rows: Sequence[Row]) -> dict[str, list[Row]]:

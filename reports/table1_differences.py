@@ -281,7 +281,7 @@ def _cells(numbers: Numbers, pair: Pair, why: str) -> tuple[Cell, ...]:
     return (
         Cell(entry_words(pair.lower), role="head"),
         Cell(entry_words(pair.higher), role="quiet"),
-        Cell(f"{theirs[pair.lower]:.4f} < {theirs[pair.higher]:.4f}", role="published"),
+        Cell(f"{theirs[pair.lower]:.4f} < {theirs[pair.higher]:.4f}", role="quiet"),
         Cell(f"{ours[pair.lower]:.5f} ≥ {ours[pair.higher]:.5f}"),
         Cell(why, role="quiet"),
     )

@@ -11,6 +11,7 @@ RULES = ("coarse", "default", "manual", "regression", "oracle")
 PUBLISHED_RULES = ("regression", "oracle")
 LEFT_OUT = "left out by --quick"
 """In place of the entries that need SIRFS, in a run without it."""
+SHORT_LEFT_OUT = "left out"
 MISSING = "missing"
 ALIKE = 0.1
 """Ratios that differ from one by no more than this are called alike."""
@@ -209,7 +210,7 @@ def missing_reasons(document: dict[str, Any], objects_in_set: int) -> tuple[str,
 def _row(document: dict[str, Any], setting: str, title: str, method: str, source: str) -> EntryRow:
     key = {"setting": setting, "method": method, "detail_source": source}
     is_open = any(key.items() <= entry.items() for entry in document["open"])
-    absent = LEFT_OUT if is_open and is_quick(document) else MISSING
+    absent = SHORT_LEFT_OUT if is_open else MISSING
     entries = {}
     for rule in (NO_RULE,) if method == RIVAL else RULES:
         ours = _find(document["rows"], key | {"weights": rule})

@@ -9,11 +9,13 @@ from typing import Any
 from reports.content import Cell, Group, Table
 from reports.rows_behind import Rows, rows_behind
 from reports.table1_entries import (
+    LEFT_OUT,
     NO_RULE,
     PUBLISHED_RULES,
     RULES,
     Entry,
     EntryRow,
+    has_rival,
     is_quick,
     table1_rows,
 )
@@ -67,7 +69,7 @@ def entry_table(document: dict[str, Any], settings: Iterable[str]) -> Table:
 
 
 def held_out_table(document: dict[str, Any], settings: Iterable[str]) -> Table | None:
-    """Return Table 1 over the objects that no prior was trained on, None where there are none.
+    """Return Table 1 over the objects that no prior of SIRFS was trained on.
 
     Parameters
     ----------
@@ -77,11 +79,12 @@ def held_out_table(document: dict[str, Any], settings: Iterable[str]) -> Table |
     Returns
     -------
     Table or None
+        None where there are no such objects, or the run left SIRFS out.
     """
-    if not document.get("test_rows"):
+    inner = document | {"rows": document.get("test_rows") or [], "baselines": []}
+    if not has_rival(inner):
         return None
     behind = rows_behind(document, "test_rows", "published")
-    inner = document | {"rows": document["test_rows"], "baselines": []}
     return _entry_table("entries-held-out", HELD_OUT_CAPTION, behind, inner, settings)
 
 
@@ -133,8 +136,10 @@ def stamped(document: dict[str, Any], caption: str) -> str:
 
 def _entry_cells(row: EntryRow) -> tuple[Cell, ...]:
     title = Cell(row.title, role="head")
+    left_out = Cell(LEFT_OUT, role="absent", columns=len(OWN_RULES))
     if NO_RULE in row.entries:
         words = Cell("no weights to choose", role="quiet", columns=len(OWN_RULES))
+        words = left_out if row.is_open else words
         same = Cell("the same for every rule", role="quiet", columns=3, edge=True)
         return (title, words, *_beside(row.entries[NO_RULE]), same)
     if "own" in row.entries:
@@ -143,11 +148,7 @@ def _entry_cells(row: EntryRow) -> tuple[Cell, ...]:
     if len(row.entries) == 1:
         words = Cell("no detail layers; not in the published table", role="quiet", columns=8)
         return (title, ours_cell(row.entries["coarse"]), words)
-    own: tuple[Cell, ...]
-    if row.is_open:
-        own = (Cell(row.entries["coarse"].absent, role="absent", columns=len(OWN_RULES)),)
-    else:
-        own = tuple(ours_cell(row.entries[rule]) for rule in OWN_RULES)
+    own = [left_out] if row.is_open else [ours_cell(row.entries[rule]) for rule in OWN_RULES]
     beside = [cell for rule in PUBLISHED_RULES for cell in _beside(row.entries[rule])]
     return (title, *own, *beside)
 

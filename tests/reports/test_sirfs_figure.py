@@ -73,5 +73,6 @@ def test_another_photograph_is_refused(capture: Capture) -> None:
 
 def test_numbers_have_three_digits() -> None:
     """Large and small numbers keep three digits and no exponent; what is unknown is a dash."""
-    assert [significant(v) for v in (1234.5, 1.0, 0.05, 0.0)] == ["1230", "1", "0.05", "0"]
+    assert [significant(v) for v in (1234.5, 1.0, 0.05, 0.0)] == ["1230", "1.00", "0.0500", "0.00"]
+    assert significant(1234.5, 4) == "1234"
     assert significant(float("nan")) == significant(None) == "\u2013"
