@@ -26,7 +26,10 @@ from evaluation.sirfs.priors import SirfsPriors, priors_identity
 from evaluation.sirfs.result import SirfsFit
 from shading_model.arrays import Mask
 
-FITTING_CODE = ("evaluation/sirfs", "shading_model/illumination.py")
+FITTING_CODE = (
+    *("evaluation/sirfs", "shading_model/illumination.py"),
+    "shading_model/height_field.py",
+)
 """The code that a fit depends on."""
 OUTLINE_SETTING = "laboratory"
 
@@ -139,7 +142,7 @@ def fit_key(photograph: Photograph, outline: Mask, options: FitOptions, priors: 
     photograph : Photograph
     outline : (h, w) bool array
     options : FitOptions
-        Of them, the light model, the channels and the terms left out.
+        Of them, the light model, the channels, the terms left out and the evaluations.
     priors : str
         See `evaluation.sirfs.priors.priors_identity`.
 
@@ -157,6 +160,7 @@ def fit_key(photograph: Photograph, outline: Mask, options: FitOptions, priors: 
         "light": options.light,
         "channels": options.channels,
         "without": " ".join(sorted(options.without)),
+        "evaluations": repr(options.evaluations),
     }
     return blob_key(inputs, parameters, code_hash(FITTING_CODE))
 

@@ -145,6 +145,7 @@ def test_every_input_is_in_the_key() -> None:
         fit_key(photograph, mask, FitOptions(light="natural"), "a"),
         fit_key(photograph, mask, FitOptions(channels="gray"), "a"),
         fit_key(photograph, mask, FitOptions(without=("slant",)), "a"),
+        fit_key(photograph, mask, FitOptions(evaluations=(9, 9)), "a"),
         fit_key(photograph, mask, options, "b"),
     ]
     assert len(set(keys)) == len(keys)
