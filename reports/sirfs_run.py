@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from evaluation.sirfs_grid import (
     sirfs_experiment,
 )
 from reports.console import progress, say
-from reports.table1_run import Table1Source, kept_fits
+from reports.table1_run import Table1Run, Table1Source, kept_fits
 
 BOTH = "both"
 TITLE = "SIRFS: errors of its fits"
@@ -139,6 +139,35 @@ def measure_sirfs_errors(
             progress=report,
         )
     return _document(table, source, choice, time.monotonic() - started, options.workers)
+
+
+def with_errors_of_fits(
+    run: Table1Run, source: Table1Source, store: Path, options: RunOptions
+) -> Table1Run:
+    """Add to a measured Table 1 the errors of the fits that it rests on, for the report.
+
+    Parameters
+    ----------
+    run : Table1Run
+        Not a quick one.
+    source : Table1Source
+    store : Path
+        Holds its fits, which are read and not made again.
+    options : RunOptions
+
+    Returns
+    -------
+    Table1Run
+        Its document has ``sirfs_rows`` and ``sirfs_summary``, see `measure_sirfs_errors`.
+
+    Raises
+    ------
+    RelightlabError
+        As `measure_sirfs_errors`.
+    """
+    errors = measure_sirfs_errors(source, SirfsChoice(), store=store, options=options)
+    parts = {"sirfs_rows": errors["rows"], "sirfs_summary": errors["summary"]}
+    return replace(run, document=run.document | parts, fits=kept_fits(store))
 
 
 def sirfs_lines(document: Mapping[str, Any]) -> list[tuple[str, ...]]:

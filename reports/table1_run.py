@@ -71,12 +71,15 @@ class Table1Run:
     dataset : Dataset
     lights : tuple of LogHarmonics
     parameters : ModelParameters
+    fits : SirfsFits, optional
+        Where the fits of SIRFS are kept, if one is to be drawn.
     """
 
     document: dict[str, Any]
     dataset: Dataset
     lights: tuple[LogHarmonics, ...]
     parameters: ModelParameters
+    fits: SirfsFits | None = None
 
 
 def open_source(

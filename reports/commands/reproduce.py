@@ -67,6 +67,7 @@ def reproduce_command(
     from reports.commands.grid import say_plan
     from reports.console import print_table, say
     from reports.result_files import require_writable
+    from reports.sirfs_run import with_errors_of_fits
     from reports.table1_run import measure_table1, open_source
     from reports.table1_text import (
         COLUMNS,
@@ -88,6 +89,7 @@ def reproduce_command(
         say_plan(source, channels, out / "store", force=force, quick=quick, json=json)
         return
     require_writable(*results, table, out / "report" / "report.pdf")
+    options = RunOptions(workers, scheduler, None, force, task_seconds)
     run = measure_table1(
         source,
         channels=channels,
@@ -96,8 +98,10 @@ def reproduce_command(
         store=out / "store",
         keep_models=keep_models,
         quick=quick,
-        options=RunOptions(workers, scheduler, None, force, task_seconds),
+        options=options,
     )
+    if not quick:
+        run = with_errors_of_fits(run, source, out / "store", options)
     print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))
     say(*(f"written: {path}" for path in _write(run, results, table, out / "report")))
     say(*summary_lines(run.document))
@@ -118,5 +122,6 @@ def _write(run: Table1Run, results: list[Path], table: Path, folder: Path) -> tu
         dataset=run.dataset,
         lights=run.lights,
         parameters=run.parameters,
+        fits=run.fits,
     )
     return (*results, table, *report)

@@ -10,6 +10,7 @@ import pytest
 
 from datasets.synthetic import synthesize
 from reports.command_line import run
+from tests.evaluation.sirfs.fake_fits import pretend
 
 KEYS = {
     *("dataset", "setting", "method", "detail_source", "weights"),
@@ -131,6 +132,24 @@ def test_reproduce_writes_all_its_results(
     assert str(out / "report" / "index.html") in lines[-7]
     assert (out / "report" / "report.pdf").read_bytes().startswith(b"%PDF-")
     assert "160 cells done, 0 missing" in lines[-2]
+
+
+@pytest.mark.slow
+def test_reproduce_shows_sirfs(
+    small_set: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without --quick, rows (b) and B+M are measured, and fits and their errors are shown."""
+    pretend(monkeypatch)
+    out = tmp_path / "out"
+    assert run(["reproduce", "--data", str(small_set), "--out", str(out), "--workers", "1"]) == 0
+    document = json.loads((out / "results" / "table1.json").read_text())
+    assert (document["quick"], document["open"]) == (False, [])
+    assert len(document["sirfs_rows"]) == 4
+    assert {row["object"] for row in document["sirfs_summary"]} == {"all"}
+    page = (out / "report" / "index.html").read_text(encoding="utf-8")
+    assert "left out" not in page
+    assert "from the left, fitted" in page
+    assert 'id="sirfs-natural-colour"' in page
 
 
 @pytest.mark.real_data
