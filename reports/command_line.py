@@ -19,6 +19,7 @@ from reports.commands.gate import app as gate_app
 from reports.commands.grid import app as grid_app
 from reports.commands.model import app as model_app
 from reports.commands.reproduce import app as reproduce_app
+from reports.commands.sirfs import app as sirfs_app
 from shading_model.errors import RelightlabError
 
 WRONG_USE = 2
@@ -37,6 +38,7 @@ app.add_typer(model_app, name="model")
 app.add_typer(evaluate_app, name="evaluate")
 app.add_typer(gate_app, name="gate")
 app.add_typer(grid_app, name="grid")
+app.add_typer(sirfs_app, name="sirfs")
 
 
 @app.callback(invoke_without_command=True)

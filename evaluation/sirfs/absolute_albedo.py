@@ -40,7 +40,7 @@ def linear_splat(samples: Float, knots: int = GRAY_KNOTS) -> Float:
     array([0.5, 0. , 0. , 0.5, 0. ])
     """
     given = checked_albedos(samples)
-    places = (np.clip(given, LEAST, LARGEST) - LEAST) * ((knots - 1) / (LARGEST - LEAST))
+    places = np.clip((given - LEAST) * ((knots - 1) / (LARGEST - LEAST)), 0, knots - 1)
     below = np.minimum(places.astype(int), knots - 2)
     above = places - below
     counts = np.bincount(below, 1 - above, knots) + np.bincount(below + 1, above, knots)

@@ -17,7 +17,7 @@ from evaluation.sirfs.scale_mixture import inverse_root
 from shading_model.arrays import Float
 
 COLOR_KNOTS = 102
-COLOR_SMOOTHNESS = 2.0**-11
+COLOR_SMOOTHNESS = 2.0**-12
 """Weight of the bending at each of 102^3 knots; see `evaluation.sirfs.smoothness_search`."""
 PADDING = 0.01
 _STAGES = ((27, 500), (52, 400), (COLOR_KNOTS, 300))
@@ -83,7 +83,7 @@ def trilinear_splat(whitened: Float, knots: int = COLOR_KNOTS) -> Float:
     array([0.5, 0.5])
     """
     given = checked_albedos(whitened)
-    places = (np.clip(given, LEAST, LARGEST) - LEAST) * ((knots - 1) / (LARGEST - LEAST))
+    places = np.clip((given - LEAST) * ((knots - 1) / (LARGEST - LEAST)), 0, knots - 1)
     below = np.minimum(places.astype(int), knots - 2)
     above = places - below
     histogram = np.zeros(knots**3)
@@ -129,12 +129,13 @@ def fit_color_absolute(
     >>> np.linspace(-7, 4, 27)[list(np.unravel_index(cost.argmin(), cost.shape))].round()
     array([-1., -1., -1.])
     """
-    cost = _first_guess(whitened, _STAGES[0][0])
+    samples = checked_albedos(whitened)
+    cost = _first_guess(samples, _STAGES[0][0])
     for knots, steps in _STAGES:
         if knots > finest:
             break
         cost = _resampled(cost, _interpolation(len(cost), knots))
-        cost = _solve(cost, trilinear_splat(whitened, knots), smoothness, steps)
+        cost = _solve(cost, trilinear_splat(samples, knots), smoothness, steps)
     lowered: Float = cost - cost.min()
     return lowered
 

@@ -84,15 +84,17 @@ def light_prior(lights: Float) -> LightPrior:
     return LightPrior(mean, centred.T @ centred / (len(given) - 1), len(given))
 
 
-def light_whitening(prior: LightPrior) -> LightWhitening:
+def light_whitening(prior: LightPrior, padding: float = PADDING) -> LightWhitening:
     """Return the coordinates in which the lights of a prior are round and of unit mean square.
 
-    ``map`` is ``V diag(1 / sqrt(D + 0.01)) V^T`` of the biased covariance ``C = V D V^T``, divided
-    by the root mean square of the whitened lights, which is ``sqrt(trace(map^T C map) / n)``.
+    ``map`` is ``V diag(1 / sqrt(D + padding)) V^T`` of the biased covariance ``C = V D V^T``,
+    divided by the root mean square of the whitened lights, ``sqrt(trace(map^T C map) / n)``.
 
     Parameters
     ----------
     prior : LightPrior
+    padding : float
+        Added to the variances D, so that what hardly varies is not blown up.
 
     Returns
     -------
@@ -105,7 +107,7 @@ def light_whitening(prior: LightPrior) -> LightWhitening:
     True
     """
     biased = prior.covariance * ((prior.count - 1) / prior.count)
-    root = inverse_root(biased, PADDING)
+    root = inverse_root(biased, padding)
     mean_square = np.trace(root.T @ biased @ root) / len(biased)
     scaled = root / np.sqrt(mean_square)
     return LightWhitening(prior.mean, np.linalg.inv(scaled), scaled)

@@ -20,7 +20,7 @@ from datasets.training_lights import (
     released_gaussian,
 )
 from evaluation.sirfs.light_prior import LightPrior, light_prior
-from shading_model.arrays import Float
+from shading_model.arrays import Float, Mask
 from shading_model.illumination import C4, harmonics
 from shading_model.seeds import generator_for
 
@@ -28,6 +28,7 @@ CHROMA_FACTORS = (2.0**-1, 2.0**-1.5, 2.0**-2)
 GAINS = (2.5, 3.0, 3.5)
 NEAR = 2.0
 """Squared distance of log renderings on a 32x32 disk below which lights are near duplicates."""
+_COARSE, _MEDIUM, _FINE = 32, 64, 256  # pixels along a disk
 _DARKEST_CENTRE = -2.0
 _TURNED_BY_MIRROR = (3, 4, 7)  # x, xy, xz
 
@@ -205,7 +206,7 @@ def with_chroma(lights: Float, factor: float) -> Float:
     return changed
 
 
-def are_valid(lights: Float) -> Float:
+def are_valid(lights: Float) -> Mask:
     """Return which lights come from the front and do not leave the centre dark.
 
     Of their gray log shading: the largest over the frontal hemisphere is no less than that over
@@ -227,11 +228,11 @@ def are_valid(lights: Float) -> Float:
     array([ True, False])
     """
     gray = lights.mean(axis=2).T
-    front = disk_normals(_FINE)
+    front = disk_normals(_MEDIUM)
     frontal = (harmonics(front) @ gray).max(axis=0)
     behind = (harmonics(front * [1.0, 1.0, -1.0]) @ gray).max(axis=0)
     centre = harmonics(np.array([0.0, 0.0, 1.0])) @ gray
-    valid: Float = (frontal >= behind) & (centre > _DARKEST_CENTRE)
+    valid: Mask = (frontal >= behind) & (centre > _DARKEST_CENTRE)
     return valid
 
 
@@ -254,7 +255,7 @@ def brightest_at_zero(lights: Float) -> Float:
     return shifted
 
 
-def without_near_duplicates(lights: Float) -> Float:
+def without_near_duplicates(lights: Float) -> Mask:
     """Return which lights do not render nearly like an earlier one that is kept.
 
     Parameters
@@ -280,9 +281,6 @@ def without_near_duplicates(lights: Float) -> Float:
         if kept[index]:
             kept[index + 1 :] &= distances[index, index + 1 :] >= NEAR
     return kept
-
-
-_COARSE, _FINE = 32, 256
 
 
 def disk_normals(size: int) -> Float:

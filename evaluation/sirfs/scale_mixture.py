@@ -123,7 +123,8 @@ def fit_scale_mixture(samples: Float, scales: int = SCALES, rounds: int = ROUNDS
     Raises
     ------
     RelightlabError
-        If the shape is another, there are no samples, one is not finite, or all are zero.
+        If the shape is another, there are no samples, one is not finite, all are zero, or
+        those of colours lie in a plane.
 
     Examples
     --------
@@ -188,6 +189,8 @@ def _checked(samples: Float) -> Float:
         raise RelightlabError("the samples of a mixture contain NaN or infinite values")
     if not columns.any():
         raise RelightlabError("all samples of a mixture are zero: it has no scale")
+    if np.linalg.matrix_rank(columns.T @ columns) < columns.shape[1]:
+        raise RelightlabError("the samples of a mixture lie in a plane: it has no shape")
     return columns
 
 

@@ -1,0 +1,118 @@
+"""The commands of the rival method SIRFS: ``relightlab sirfs ...``."""
+# ruff: noqa: PLC0415  what a command needs is imported when it runs, so that --help is quick
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from reports.commands.options import DataRoot, JsonFile
+
+if TYPE_CHECKING:
+    from evaluation.sirfs.priors import SirfsPriors
+
+app = typer.Typer(help="SIRFS, the rival method: shape, light and albedo from shading.")
+
+
+@app.callback()
+def sirfs_command() -> None:
+    """SIRFS, the rival method: shape, light and albedo from shading."""
+
+
+@app.command("train")
+def train_command(
+    data: DataRoot = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Where to; default: the file every fit uses."),
+    ] = None,
+    json: JsonFile = None,
+) -> None:
+    """Learn the priors from the training objects of MIT-Berkeley again (2 min)."""
+    import time
+
+    from evaluation.sirfs.prior_files import FILE, SUFFIX, save_priors
+    from evaluation.sirfs.prior_training import train_priors
+    from reports.commands.model import check_suffix
+    from reports.console import progress, say
+    from reports.result_files import require_writable, write_json
+
+    target = out or FILE
+    check_suffix(target, (SUFFIX,))
+    root = _set_folder(data)
+    require_writable(target, json)
+    started = time.monotonic()
+    with progress("learning") as report:
+        priors = train_priors(root, report)
+    save_priors(target, priors)
+    document = _document(priors) | {"seconds": round(time.monotonic() - started, 1)}
+    say(*_lines(document))
+    if json is not None:
+        write_json(json, document)
+        say(f"written: {json}")
+    kilobytes = target.stat().st_size / 1000
+    say(f"written: {target} ({kilobytes:.0f} kB, {document['seconds']:.0f} s)")
+
+
+def _set_folder(data: Path | None) -> Path:
+    from datasets.locations import find_root_of, missing_data_sentence
+    from shading_model.errors import RelightlabError
+
+    root = find_root_of("mit-berkeley", data)
+    if root is None:
+        raise RelightlabError(missing_data_sentence("mit-berkeley", data))
+    return root / "mit-berkeley"
+
+
+def _document(priors: SirfsPriors) -> dict[str, Any]:
+    """Return what was learned, in numbers few enough to be read."""
+    import numpy as np
+
+    from evaluation.sirfs.absolute_albedo import gray_knots
+    from evaluation.sirfs.priors import MIXTURES, priors_identity
+
+    mixtures = {name: getattr(priors, name) for name in MIXTURES}
+    return {
+        "sha256": priors_identity(priors),
+        "differences": {
+            name: {"scales": mixture.scales.size, "largest": mixture.largest}
+            for name, mixture in mixtures.items()
+        },
+        "gray_absolute": {
+            "knots": [priors.gray_absolute.size],
+            "least_at": float(gray_knots()[priors.gray_absolute.argmin()]),
+        },
+        "color_absolute": {
+            "knots": list(priors.color_absolute.shape),
+            "whitening": priors.color_whitening.tolist(),
+        },
+        "lights": {
+            f"{light} {channels}": {
+                "count": prior.count,
+                "mean": prior.mean.tolist(),
+                "standard_deviation": np.sqrt(prior.covariance.diagonal()).tolist(),
+            }
+            for (light, channels), prior in priors.lights.items()
+        },
+    }
+
+
+def _lines(document: Mapping[str, Any]) -> list[str]:
+    """Return the same in words: sizes, and the mean of the nine coefficients of gray lights."""
+    lines = [
+        f"{name.replace('_', ' ')}: {part['scales']} scales, tables up to {part['largest']:.4g}"
+        for name, part in document["differences"].items()
+    ]
+    gray, color = document["gray_absolute"], document["color_absolute"]
+    lines += [
+        f"gray absolute: {gray['knots'][0]} knots, least at log albedo {gray['least_at']:.2f}",
+        f"color absolute: {' x '.join(map(str, color['knots']))} knots",
+    ]
+    for name, light in document["lights"].items():
+        shown = " (first channel)" if len(light["mean"]) > 9 else ""
+        mean = " ".join(f"{value:.3f}" for value in light["mean"][:9])
+        lines.append(f"{name} light: of {light['count']} lights, mean{shown} {mean}")
+    return lines
