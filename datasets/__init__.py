@@ -7,7 +7,8 @@ Finding and fetching them
     `catalogue` (what is known), `locations` (the data root), `fetching` (with `resuming_download`),
     `verification`, `file_tree`.
 Lights
-    `illumination_pools` (the draws of Table 1), `environment_maps` (the pool that ships).
+    `illumination_pools` (the draws of Table 1), `environment_maps` (the pool that ships),
+    `training_lights` (what priors are learned from).
 Files
     `image_files`, `openexr_files`, `photograph_files` (a picture and its mask, ready for a model),
     `model_files` (saved models), `atomic` (whole or absent).

@@ -8,6 +8,10 @@ log albedo is what they leave of the log photograph, ``A = log I - S(Z, L)``.
 
 ==========================  ========================================================================
 `settings`                  weights of the terms for each kind of light and number of channels
-`priors`                    what was learned from the training objects, and the shipped file of it
+`priors`                    what was learned, made of `scale_mixture`, `absolute_albedo`,
+                            `absolute_color` (with `bending`) and `light_prior`
+`prior_files`               files of it, and the shipped one
+`prior_training`            learning it again, from `training_data` and `light_training`;
+                            `smoothness_search` chose the one weight that is not published
 ==========================  ========================================================================
 """

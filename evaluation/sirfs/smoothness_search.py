@@ -5,7 +5,7 @@ The paper's own search for it is not published with its numbers, so the weight w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -24,7 +24,10 @@ KNOTS = 52
 
 
 def held_out_costs(
-    objects: Sequence[Float], candidates: Sequence[float] = CANDIDATES, knots: int = KNOTS
+    objects: Sequence[Float],
+    candidates: Sequence[float] = CANDIDATES,
+    knots: int = KNOTS,
+    report: Callable[[int, int, str], None] = lambda *_: None,
 ) -> Float:
     """Return how unlikely each object's colours are to what the others taught, by smoothness.
 
@@ -36,6 +39,8 @@ def held_out_costs(
         Weights of the bending.
     knots : int
         27, 52 or 102.
+    report : callable
+        Called with how many objects are done, of how many, and which was last.
 
     Returns
     -------
@@ -60,6 +65,7 @@ def held_out_costs(
     for left_out, held_out in enumerate(objects):
         others = np.concatenate([one for k, one in enumerate(objects) if k != left_out])
         columns.append(_costs_of(held_out, others, candidates, knots))
+        report(left_out + 1, len(objects), f"object {left_out + 1}")
     return np.array(columns).T
 
 
@@ -67,8 +73,8 @@ def _costs_of(
     held_out: Float, others: Float, candidates: Sequence[float], knots: int
 ) -> list[float]:
     whitening = color_whitening(others)
-    histogram = trilinear_splat(held_out @ whitening, knots)
+    whitened = held_out @ whitening
     # A density of whitened colours becomes one of log albedos by the volume that W spans.
     volume = float(np.log(np.linalg.det(whitening)))
     fits = (fit_color_absolute(others @ whitening, weight, knots) for weight in candidates)
-    return [mean_cost(fit, histogram) - volume for fit in fits]
+    return [mean_cost(fit, trilinear_splat(whitened, len(fit))) - volume for fit in fits]

@@ -18,7 +18,7 @@ app = typer.Typer(help="SIRFS, the rival method: shape, light and albedo from sh
 
 
 @app.callback()
-def sirfs_command() -> None:
+def _sirfs_command() -> None:
     """SIRFS, the rival method: shape, light and albedo from shading."""
 
 
@@ -30,6 +30,14 @@ def train_command(
         typer.Option(metavar="FILE", help="Where to; default: the file every fit uses."),
     ] = None,
     json: JsonFile = None,
+    search: Annotated[
+        bool,
+        typer.Option(
+            "--search",
+            help="Instead, leave one object out for several smoothnesses of the colour prior, and"
+            " print how unlikely it is (6 min).",
+        ),
+    ] = False,
 ) -> None:
     """Learn the priors from the training objects of MIT-Berkeley again (2 min)."""
     import time
@@ -43,7 +51,10 @@ def train_command(
     target = out or FILE
     check_suffix(target, (SUFFIX,))
     root = _set_folder(data)
-    require_writable(target, json)
+    require_writable(*(() if search else (target,)), json)
+    if search:
+        _search(root, json)
+        return
     started = time.monotonic()
     with progress("learning") as report:
         priors = train_priors(root, report)
@@ -55,6 +66,26 @@ def train_command(
         say(f"written: {json}")
     kilobytes = target.stat().st_size / 1000
     say(f"written: {target} ({kilobytes:.0f} kB, {document['seconds']:.0f} s)")
+
+
+def _search(root: Path, json: Path | None) -> None:
+    from datasets.mit_berkeley import MitBerkeley
+    from evaluation.sirfs.smoothness_search import CANDIDATES, held_out_costs
+    from evaluation.sirfs.training_data import training_samples
+    from reports.console import progress, say
+    from reports.result_files import write_json
+
+    objects = [samples.color for samples in training_samples(MitBerkeley(root))]
+    with progress("leaving out") as report:
+        costs = held_out_costs(objects, CANDIDATES, report=report)
+    pairs = [
+        (weight, float(mean)) for weight, mean in zip(CANDIDATES, costs.mean(axis=1), strict=True)
+    ]
+    say(*(f"smoothness {weight:.3g}: held-out cost {mean:.4f}" for weight, mean in pairs))
+    if json is not None:
+        rows = [{"smoothness": weight, "held_out_cost": mean} for weight, mean in pairs]
+        write_json(json, {"rows": rows})
+        say(f"written: {json}")
 
 
 def _set_folder(data: Path | None) -> Path:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.sirfs import absolute_color, prior_training, training_data
+from evaluation.sirfs import absolute_color, prior_training, smoothness_search, training_data
 from evaluation.sirfs.prior_files import load_priors
 from evaluation.sirfs.priors import priors_identity
 from reports.command_line import run
@@ -37,6 +37,25 @@ def test_trained_and_told(data: Path, tmp_path: Path, capsys: pytest.CaptureFixt
     assert f"natural gray light: of {light['count']} lights, mean {mean}" in shown
     assert "gray absolute: 256 knots" in shown
     assert f"written: {out} (" in shown
+
+
+def test_searched(
+    data: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The search prints a cost for every smoothness, and writes no priors."""
+    monkeypatch.setattr(smoothness_search, "CANDIDATES", (2.0**-9, 2.0**-12))
+    out, target = tmp_path / "priors.npz", tmp_path / "search.json"
+    arguments = ["--data", str(data), "--out", str(out), "--json", str(target)]
+    assert run(["sirfs", "train", "--search", *arguments]) == 0
+    rows = json.loads(target.read_text(encoding="utf-8"))["rows"]
+    assert [row["smoothness"] for row in rows] == [2.0**-9, 2.0**-12]
+    assert f"smoothness 0.000244: held-out cost {rows[1]['held_out_cost']:.4f}" in (
+        capsys.readouterr().out
+    )
+    assert not out.exists()
 
 
 def test_without_the_set_nothing_is_learned(
