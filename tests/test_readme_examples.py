@@ -8,7 +8,10 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 
 from datasets.synthetic import synthesize
@@ -99,3 +102,20 @@ def test_the_lights_of_the_documentation_are_read(tmp_path: Path) -> None:
     text = block("docs/own-dataset.md", '"convention"')
     (tmp_path / "lights.json").write_text(text, encoding="utf-8")
     assert list(ObjectFiles(tmp_path).lights()) == ["lit_01"]
+
+
+def test_the_fit_of_the_documentation_runs(
+    two_objects: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A photograph and its mask beside the script are fitted; the loss is the sum of its terms."""
+    from datasets.synthetic import Synthetic
+
+    seen = Synthetic(two_objects).load("pear", "natural").photograph
+    monkeypatch.chdir(tmp_path)
+    cv2.imwrite("photo.jpg", np.rint(255 * seen.image[..., ::-1] ** (1 / 2.2)).astype(np.uint8))
+    cv2.imwrite("mask.png", np.uint8(255) * seen.mask)
+    found: dict[str, Any] = {}
+    exec(block("docs/sirfs.md", "fit_sirfs("), found)  # noqa: S102  our own documentation
+    fit = found["fit"]
+    assert fit.final_loss == pytest.approx(sum(fit.terms.values()))
+    assert np.isfinite(fit.height[fit.mask]).all()
