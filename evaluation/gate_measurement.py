@@ -2,7 +2,7 @@
 
 The synthetic set is made on the spot, all objects in both settings at a small size; of MIT-Berkeley
 a few objects are taken, with the learned thresholds of the whole set. Both are relit under the
-first lights of Table 1, by every detail source and weight rule.
+first lights of Table 1, by every detail source and weight rule; SIRFS is fitted to fewer objects.
 """
 
 from __future__ import annotations
@@ -20,11 +20,13 @@ from threadpoolctl import threadpool_info
 from datasets.illumination_pools import TABLE1_SEED, table1_lights
 from datasets.mit_berkeley import MitBerkeley
 from datasets.model_parameters import shipped_parameters
-from datasets.records import Capture, Dataset, LitPhotograph
+from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SEED, synthesize
 from datasets.synthetic_manifest import parameters_of
 from evaluation.code_version import NUMERIC_PACKAGES
+from evaluation.gate_sirfs import measure_fits
 from evaluation.grid_run import Progress, RunOptions
+from evaluation.object_sets import ChosenObjects
 from evaluation.provenance import code_commit
 from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
 from evaluation.table1_grid import BASELINE, QUICK_SOURCES
@@ -37,13 +39,16 @@ SYNTHETIC_SIZE, SYNTHETIC_SAMPLES = 96, 4
 SYNTHETIC_OBJECTS: tuple[str, ...] | None = None
 """All that there are."""
 MIT_OBJECTS = ("cup1", "pear", "raccoon", "sun")
+FITTED = {"synthetic": ("apple", "leaf", "fish"), "mit-berkeley": ("pear",)}
+"""The objects that SIRFS is fitted to, in every setting: those whose fits wander least."""
 LIGHTS = 4
 DIGITS = 8
 """Significant digits that an error is kept with."""
 INTRINSIC = ("lmse", "point_light_residual", "harmonic_residual")
 
 Errors = dict[str, tuple[float | None, ...]]
-"""Errors by ``setting object source rule`` or ``setting object residual``; None: not measured."""
+"""Errors by ``setting object source rule`` or ``setting object residual``, or as in
+`evaluation.gate_sirfs`; None: not measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +61,14 @@ class GateSet:
     lights : tuple of LogHarmonics
     content : str
         What the numbers depend on, alike on every machine: how the set was made, or its hash.
+    fitted : tuple of str
+        The objects that SIRFS is fitted to.
     """
 
     dataset: Dataset
     lights: tuple[LogHarmonics, ...]
     content: str
+    fitted: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,42 +102,6 @@ class GateMeasurement:
         return sum(map(len, self.errors.values()))
 
 
-@dataclass(frozen=True, eq=False)
-class ChosenObjects:
-    """A dataset of which only some objects are measured.
-
-    Parameters
-    ----------
-    whole : Dataset
-    objects : tuple of str
-    """
-
-    whole: Dataset
-    objects: tuple[str, ...]
-
-    @property
-    def name(self) -> str:
-        """Name of the whole set, by which thresholds are found."""
-        return self.whole.name
-
-    @property
-    def settings(self) -> tuple[str, ...]:
-        """Settings of the whole set."""
-        return self.whole.settings
-
-    def load(self, name: str, setting: str) -> Capture:
-        """Return one object in one setting."""
-        return self.whole.load(name, setting)
-
-    def lit_photographs(self, name: str) -> tuple[LitPhotograph, ...]:
-        """Return the object's photographs under other lights."""
-        return self.whole.lit_photographs(name)
-
-    def fingerprint(self) -> str:
-        """Return the SHA-256 of the whole set."""
-        return self.whole.fingerprint()
-
-
 def synthetic_gate_set(folder: Path, workers: int = 1, progress: Progress | None = None) -> GateSet:
     """Make the gate's synthetic set.
 
@@ -154,7 +126,9 @@ def synthetic_gate_set(folder: Path, workers: int = 1, progress: Progress | None
     )
     parameters = parameters_of(SYNTHETIC_SIZE, DEFAULT_SEED, SYNTHETIC_SAMPLES)
     content = ", ".join(f"{name} {value}" for name, value in parameters.items())
-    return GateSet(made, table1_lights(None, count=LIGHTS), f"{content}; {TABLE1_SEED}")
+    lights = table1_lights(None, count=LIGHTS)
+    fitted = tuple(name for name in FITTED["synthetic"] if name in made.objects)
+    return GateSet(made, lights, f"{content}; {TABLE1_SEED}", fitted)
 
 
 def mit_gate_set(root: Path) -> GateSet:
@@ -171,13 +145,13 @@ def mit_gate_set(root: Path) -> GateSet:
     """
     chosen = ChosenObjects(MitBerkeley(root / "mit-berkeley"), MIT_OBJECTS)
     content = f"{chosen.fingerprint()}; {TABLE1_SEED}"
-    return GateSet(chosen, table1_lights(root, count=LIGHTS), content)
+    return GateSet(chosen, table1_lights(root, count=LIGHTS), content, FITTED["mit-berkeley"])
 
 
 def measure_gate(
     subject: GateSet, workers: int = 1, progress: Progress | None = None
 ) -> GateMeasurement:
-    """Measure every variant of Table 1 on a gate's set.
+    """Measure every variant of Table 1 on a gate's set, and SIRFS on some of its objects.
 
     Parameters
     ----------
@@ -194,6 +168,12 @@ def measure_gate(
     table = run_table1(
         dataset, subject.lights, parameters, quick=True, options=options, progress=progress
     )
+    errors, reasons = dict(_errors(table)), [missing.reason for missing in table.missing]
+    if subject.fitted:
+        chosen = ChosenObjects(dataset, subject.fitted)
+        found = measure_fits(chosen, subject.lights, options, progress)
+        errors.update((key, tuple(map(rounded, row))) for key, row in found.errors.items())
+        reasons += found.reasons
     return GateMeasurement(
         dataset=dataset.name,
         protocol=f"{PROTOCOL} {PROTOCOL_VERSION}",
@@ -201,8 +181,8 @@ def measure_gate(
         fingerprint=dataset.fingerprint(),
         commit=code_commit(),
         platform=numeric_platform(),
-        errors=dict(_errors(table)),
-        reasons=tuple(dict.fromkeys(missing.reason for missing in table.missing)),
+        errors=errors,
+        reasons=tuple(dict.fromkeys(reasons)),
     )
 
 

@@ -1,10 +1,12 @@
-"""Named sets of a dataset's objects that errors are averaged over."""
+"""Some of a dataset's objects: named sets that errors are averaged over, and a chosen few."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from datasets.mit_berkeley import TEST_OBJECTS, TRAINING_OBJECTS
+from datasets.records import Capture, Dataset, LitPhotograph
 
 _SETS = {"mit-berkeley": {"MIT_TRAIN": TRAINING_OBJECTS, "MIT_TEST": TEST_OBJECTS}}
 HELD_OUT = "MIT_TEST"
@@ -36,3 +38,39 @@ def object_sets(dataset: str, objects: Sequence[str]) -> dict[str, tuple[str, ..
         for name, members in _SETS.get(dataset, {}).items()
     }
     return {name: members for name, members in named.items() if members} or {"all": tuple(objects)}
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenObjects:
+    """A dataset of which only some objects are measured.
+
+    Parameters
+    ----------
+    whole : Dataset
+    objects : tuple of str
+    """
+
+    whole: Dataset
+    objects: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the whole set, by which thresholds are found."""
+        return self.whole.name
+
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """Settings of the whole set."""
+        return self.whole.settings
+
+    def load(self, name: str, setting: str) -> Capture:
+        """Return one object in one setting."""
+        return self.whole.load(name, setting)
+
+    def lit_photographs(self, name: str) -> tuple[LitPhotograph, ...]:
+        """Return the object's photographs under other lights."""
+        return self.whole.lit_photographs(name)
+
+    def fingerprint(self) -> str:
+        """Return the SHA-256 of the whole set."""
+        return self.whole.fingerprint()

@@ -130,6 +130,8 @@ def _measure(name: str, root: Path | None, workers: int) -> GateMeasurement:
 
 
 def _check_lines(comparison: Comparison, recorded: str, seconds: float) -> list[str]:
+    from evaluation.regression_gate import FIT_ELSEWHERE
+
     verdict = (
         f"{comparison.dataset}: {comparison.compared} errors compared with the {recorded},"
         f" tolerance {comparison.tolerance:g}, {seconds:.0f} s:"
@@ -138,6 +140,7 @@ def _check_lines(comparison: Comparison, recorded: str, seconds: float) -> list[
     lines = [verdict]
     if comparison.differing:
         lines.append(f"  another platform: {'; '.join(comparison.differing)}")
+        lines.append(f"  tolerance of what SIRFS fits there: {FIT_ELSEWHERE:g}")
     lines += [f"  not measured: {reason}" for reason in comparison.reasons]
     lines += _change_lines("worse", comparison.worse)
     lines += _change_lines("better", comparison.better)

@@ -27,7 +27,15 @@ from evaluation.gate_measurement import (
     synthetic_gate_set,
     variants,
 )
-from evaluation.regression_gate import OTHER_PLATFORM, SAME_PLATFORM, compare
+from evaluation.gate_sirfs import fitted_variants
+from evaluation.regression_gate import (
+    FIT_ELSEWHERE,
+    LOSS_ELSEWHERE,
+    OTHER_PLATFORM,
+    RENDERED_ELSEWHERE,
+    SAME_PLATFORM,
+    compare,
+)
 from shading_model import object_model
 from shading_model.arrays import Float
 from shading_model.contour_shape import shape_from_contour
@@ -36,6 +44,7 @@ from shading_model.geometric_detail import geometric_detail
 from shading_model.illumination import PointLights
 from shading_model.retinex import IntrinsicImages, Retinex, RetinexThresholds
 from tests.evaluation.conftest import LIGHTS
+from tests.evaluation.sirfs.fake_fits import diverging_fit, pretend
 
 Patch = Callable[[pytest.MonkeyPatch], None]
 
@@ -296,4 +305,70 @@ def test_the_projects_records_are_whole(dataset: str) -> None:
     assert found.reason
     assert found.measured.dataset == dataset
     rows = {key.split(" ", 2)[2] for key in found.measured.errors}
-    assert rows == {f"{s} {r}" for s, r in variants()} | set(gate_measurement.INTRINSIC)
+    own = {f"{s} {r}" for s, r in variants()} | set(gate_measurement.INTRINSIC)
+    assert rows == own | set(fitted_variants())
+    fitted = {key.split()[1] for key in found.measured.errors if key.endswith("final_loss")}
+    assert fitted == set(gate_measurement.FITTED[dataset])
+
+
+@pytest.fixture(scope="module")
+def fitted(tiny_set: Synthetic) -> Baseline:
+    """A record with fits of one object, which are fakes."""
+    with pytest.MonkeyPatch.context() as patch:
+        pretend(patch)
+        subject = GateSet(tiny_set, LIGHTS[:2], "a tiny set", ("cup",))
+        return new_baseline(measure_gate(subject), "with fits", "2001-02-03")
+
+
+def test_fits_are_measured_beside_the_rest(fitted: Baseline, measured: GateMeasurement) -> None:
+    """Of the chosen object every variant and figure; all other numbers are as without."""
+    own = {
+        key: row
+        for key, row in fitted.measured.errors.items()
+        if not key.split()[2].startswith("sirfs")
+    }
+    assert own.keys() == measured.errors.keys()
+    assert all(np.allclose(np.array(own[key]), np.array(measured.errors[key])) for key in own)  # type: ignore[arg-type]
+    assert set(fitted.measured.errors) - set(own) == {
+        f"{setting} cup {words}"
+        for setting in ("natural", "laboratory")
+        for words in fitted_variants()
+    }
+    assert fitted.measured.errors["natural cup sirfs final_loss"] == (1.5,)
+
+
+def test_fits_that_fail_are_told(tiny_set: Synthetic, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their numbers are missing, with the reason, and cannot be recorded."""
+    pretend(monkeypatch, diverging_fit)
+    broken = measure_gate(GateSet(tiny_set, LIGHTS[:2], "a tiny set", ("cup",)))
+    assert broken.errors["natural cup sirfs none"] == (None, None)
+    assert broken.errors["laboratory cup sirfs z_mae"] == (None,)
+    with pytest.raises(RelightlabError, match="the fit diverged"):
+        new_baseline(broken, "a reason", "2001-02-03")
+
+
+@pytest.mark.parametrize(
+    ("cell", "changes", "tolerance"),
+    [
+        ("natural cup sirfs none", {}, SAME_PLATFORM),
+        ("natural cup sirfs final_loss", {}, SAME_PLATFORM),
+        ("natural cup sirfs none", {"platform": {}}, FIT_ELSEWHERE),
+        ("natural cup sirfs-shading oracle", {"platform": {}}, FIT_ELSEWHERE),
+        ("natural cup sirfs final_loss", {"platform": {}}, LOSS_ELSEWHERE),
+        ("natural cup gt-shading oracle", {"platform": {}, "fingerprint": "0"}, OTHER_PLATFORM),
+        ("laboratory cup gt-shading oracle", {"platform": {}}, OTHER_PLATFORM),
+        (
+            "laboratory cup gt-shading oracle",
+            {"platform": {}, "fingerprint": "0"},
+            RENDERED_ELSEWHERE,
+        ),
+        ("laboratory cup sirfs final_loss", {"platform": {}, "fingerprint": "0"}, FIT_ELSEWHERE),
+    ],
+)
+def test_tolerances_of_what_wanders(
+    cell: str, changes: dict[str, object], tolerance: float, fitted: Baseline
+) -> None:
+    """Fits on another platform, and photographs that it rendered, have tolerances of their own."""
+    here = replace(fitted.measured, **changes)  # type: ignore[arg-type]
+    assert compare(fitted, scaled(here, cell, 1 + 0.5 * tolerance)).passed
+    assert not compare(fitted, scaled(here, cell, 1 + 2 * tolerance)).passed

@@ -22,6 +22,8 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(gate_measurement, "SYNTHETIC_SAMPLES", 1)
     monkeypatch.setattr(gate_measurement, "SYNTHETIC_OBJECTS", ("apple", "pear"))
     monkeypatch.setattr(gate_measurement, "LIGHTS", 2)
+    for dataset in gate_measurement.SETS:
+        monkeypatch.setitem(gate_measurement.FITTED, dataset, ())
 
 
 @pytest.fixture
