@@ -1,6 +1,8 @@
 """How smooth the cost of a colour has to be: leave one object out, and see how likely it is.
 
-The paper's own search for it is not published with its numbers, so the weight was found here.
+The weight that the authors found is not published, so it is found here. On the ten training objects
+of MIT-Berkeley the mean held-out cost is 1.667, 1.319, 1.200 and 1.247 for the `CANDIDATES`
+(``relightlab sirfs train --search``).
 """
 
 from __future__ import annotations
