@@ -28,8 +28,9 @@ from evaluation.gate_sirfs import measure_fits
 from evaluation.grid_run import Progress, RunOptions
 from evaluation.object_sets import ChosenObjects
 from evaluation.provenance import code_commit
-from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
+from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, run_table1
 from evaluation.table1_grid import BASELINE, QUICK_SOURCES
+from evaluation.table1_record import Table1
 from evaluation.weight_rules import WEIGHT_RULES
 from shading_model.errors import unknown_name
 from shading_model.illumination import LogHarmonics

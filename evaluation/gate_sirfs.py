@@ -19,7 +19,8 @@ from evaluation.sirfs.metrics import ERROR_NAMES
 from evaluation.sirfs_fits import SirfsFits
 from evaluation.sirfs_grid import SirfsContext, SirfsTable, run_sirfs
 from evaluation.sirfs_measurement import RIVAL, SIRFS_SHADING, SIRFS_SOURCES
-from evaluation.table1 import Table1, run_table1
+from evaluation.table1 import run_table1
+from evaluation.table1_record import Table1
 from evaluation.weight_rules import WEIGHT_RULES
 from shading_model.illumination import LogHarmonics
 

@@ -21,8 +21,9 @@ from evaluation.methods import (
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.part_registries import Part, find_part
 from evaluation.row_store import MemoryRows, Rows
-from evaluation.sirfs_fits import SirfsFits
-from evaluation.table1 import UNKEPT, MissingCell, Table1, run_table1
+from evaluation.sirfs_fits import UNKEPT, SirfsFits
+from evaluation.table1 import run_table1
+from evaluation.table1_record import MissingCell, Table1
 from evaluation.weight_rules import MANUAL, WEIGHT_RULES, WeightRule
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError

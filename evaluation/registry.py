@@ -8,10 +8,9 @@ from datasets.records import Dataset
 from evaluation.experiment import Experiment
 from evaluation.methods import MethodContext, method_experiment
 from evaluation.part_registries import find_part
-from evaluation.sirfs_fits import SirfsFits
+from evaluation.sirfs_fits import UNKEPT, SirfsFits
 from evaluation.sirfs_grid import NAME as SIRFS
 from evaluation.sirfs_grid import SirfsContext, sirfs_experiment
-from evaluation.table1 import UNKEPT
 from evaluation.table1_grid import NAME, Table1Context, table1_experiment
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import ModelParameters

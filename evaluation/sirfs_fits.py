@@ -8,6 +8,7 @@ interrupted, leaves the fits valid.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,7 +18,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from datasets.records import Dataset, Photograph
-from evaluation.blob_store import BlobStore, blob_key
+from evaluation.blob_store import BLOBS, BlobStore, blob_key
 from evaluation.code_version import code_hash
 from evaluation.sirfs.fit import FitOptions, fit_sirfs
 from evaluation.sirfs.fit_files import SUFFIX, load_fit, save_fit
@@ -49,6 +50,23 @@ class SirfsFits:
     folder: Path | None = None
     without: tuple[str, ...] = ()
 
+    @classmethod
+    def in_store(cls, store: Path | None, without: Sequence[str] = ()) -> SirfsFits:
+        """Return fits that are kept among the blobs of a store, where there is one.
+
+        Parameters
+        ----------
+        store : Path, optional
+            Its folder.
+        without : sequence of str
+
+        Examples
+        --------
+        >>> SirfsFits.in_store(None) == SirfsFits()
+        True
+        """
+        return cls(None if store is None else store / BLOBS, tuple(without))
+
     def fit(self, dataset: Dataset, name: str, setting: str, channels: str = "color") -> SirfsFit:
         """Return the fit to an object's photograph in one setting, made or read: the same bits.
 
@@ -78,6 +96,10 @@ class SirfsFits:
             return make()
         key = fit_key(photograph, outline, options, identity)
         return BlobStore(self.folder, SUFFIX).get_or_make(key, make, load_fit, save_fit)
+
+
+UNKEPT = SirfsFits()
+"""Fits that are made whenever they are needed."""
 
 
 @cache

@@ -7,7 +7,8 @@ from typing import Any
 from evaluation.own_rows import OwnRows
 from evaluation.provenance import Provenance
 from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
-from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1
+from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION
+from evaluation.table1_record import Table1
 
 
 def table1_document(

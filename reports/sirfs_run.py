@@ -14,7 +14,7 @@ from evaluation.grid_status import grid_summary
 from evaluation.provenance import provenance_of
 from evaluation.row_store import ROWS, RowStore
 from evaluation.sirfs.metrics import ERROR_NAMES
-from evaluation.sirfs_fits import light_model, priors_in_use
+from evaluation.sirfs_fits import SirfsFits, light_model, priors_in_use
 from evaluation.sirfs_grid import (
     NAME,
     VERSION,
@@ -24,7 +24,7 @@ from evaluation.sirfs_grid import (
     sirfs_experiment,
 )
 from reports.console import progress, say
-from reports.table1_run import Table1Run, Table1Source, kept_fits
+from reports.table1_run import Table1Run, Table1Source
 
 BOTH = "both"
 TITLE = "SIRFS: errors of its fits"
@@ -89,13 +89,13 @@ def choice_experiment(
     RelightlabError
         For unknown names.
     """
-    context = SirfsContext(source.dataset, kept_fits(store, choice.without))
+    context = SirfsContext(source.dataset, SirfsFits.in_store(store, choice.without))
     return sirfs_experiment(context, choice.objects, choice.settings, [choice.channels])
 
 
 def measure_sirfs_errors(
     source: Table1Source,
-    choice: SirfsChoice,
+    choice: SirfsChoice = SirfsChoice(),
     *,
     store: Path | None = None,
     options: RunOptions = DEFAULT_OPTIONS,
@@ -141,33 +141,34 @@ def measure_sirfs_errors(
     return _document(table, source, choice, time.monotonic() - started, options.workers)
 
 
-def with_errors_of_fits(
-    run: Table1Run, source: Table1Source, store: Path, options: RunOptions
-) -> Table1Run:
+def with_errors_of_fits(run: Table1Run, errors: Mapping[str, Any], store: Path) -> Table1Run:
     """Add to a measured Table 1 the errors of the fits that it rests on, for the report.
+
+    The fits are best measured first, so that the seconds of a row are those of its fit.
 
     Parameters
     ----------
     run : Table1Run
         Not a quick one.
-    source : Table1Source
+    errors : mapping
+        Of `measure_sirfs_errors`, on the same source.
     store : Path
-        Holds its fits, which are read and not made again.
-    options : RunOptions
+        Holds the fits.
 
     Returns
     -------
     Table1Run
-        Its document has ``sirfs_rows`` and ``sirfs_summary``, see `measure_sirfs_errors`.
-
-    Raises
-    ------
-    RelightlabError
-        As `measure_sirfs_errors`.
+        Its document has ``sirfs_rows`` and ``sirfs_summary``, see `measure_sirfs_errors`; its
+        seconds are those of both.
     """
-    errors = measure_sirfs_errors(source, SirfsChoice(), store=store, options=options)
-    parts = {"sirfs_rows": errors["rows"], "sirfs_summary": errors["summary"]}
-    return replace(run, document=run.document | parts, fits=kept_fits(store))
+    origin = run.document["provenance"]
+    seconds = round(origin["seconds"] + errors["provenance"]["seconds"], 1)
+    parts = {
+        "provenance": {**origin, "seconds": seconds},
+        "sirfs_rows": errors["rows"],
+        "sirfs_summary": errors["summary"],
+    }
+    return replace(run, document=run.document | parts, fits=SirfsFits.in_store(store))
 
 
 def sirfs_lines(document: Mapping[str, Any]) -> list[tuple[str, ...]]:

@@ -28,8 +28,9 @@ from evaluation.registry import EXPERIMENTS
 from evaluation.rerendering import CHANNELS
 from evaluation.row_store import ROWS, RowStore
 from evaluation.sirfs_fits import SirfsFits
-from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1, run_table1
+from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, run_table1
 from evaluation.table1_grid import BASELINE
+from evaluation.table1_record import Table1
 from evaluation.table1_results import table1_document
 from evaluation.weight_rules import MANUAL
 from reports.console import progress, say
@@ -199,7 +200,7 @@ def measure_table1(
             store=rows,
             kept=_kept_models(store, keep_models),
             quick=quick,
-            fits=kept_fits(store),
+            fits=SirfsFits.in_store(store),
             options=options,
             progress=report,
         )
@@ -214,7 +215,7 @@ def measure_table1(
             seed=TABLE1_SEED,
             store=rows,
             quick=quick,
-            fits=kept_fits(store),
+            fits=SirfsFits.in_store(store),
             options=options,
             progress=report,
         )
@@ -228,22 +229,6 @@ def _kept_models(store: Path | None, keep: bool) -> KeptModels | None:
     if store is None:
         raise RelightlabError("--keep-models keeps them in a store: give its folder with --store")
     return KeptModels(store / BLOBS)
-
-
-def kept_fits(store: Path | None, without: Sequence[str] = ()) -> SirfsFits:
-    """Return where fits of SIRFS are kept: in the store, where there is one.
-
-    Parameters
-    ----------
-    store : Path, optional
-    without : sequence of str
-        Terms of the loss that are left out.
-
-    Returns
-    -------
-    SirfsFits
-    """
-    return SirfsFits(None if store is None else store / BLOBS, tuple(without))
 
 
 def source_experiment(

@@ -64,10 +64,15 @@ def reproduce_command(
     from evaluation.grid_run import RunOptions
     from evaluation.method_command import CommandMethod
     from evaluation.own_rows import own_choices
-    from reports.commands.grid import say_plan
+    from reports.commands.grid import say_plan, say_plan_of
     from reports.console import print_table, say
     from reports.result_files import require_writable
-    from reports.sirfs_run import with_errors_of_fits
+    from reports.sirfs_run import (
+        SirfsChoice,
+        choice_experiment,
+        measure_sirfs_errors,
+        with_errors_of_fits,
+    )
     from reports.table1_run import measure_table1, open_source
     from reports.table1_text import (
         COLUMNS,
@@ -85,23 +90,27 @@ def reproduce_command(
     own = own_choices(method or [], commands, shape, detail_layer, weight_rule or [])
     source = open_source(data, dataset, size=size, workers=workers)
     say(source.notice)
+    store = out / "store"
     if plan:
-        say_plan(source, channels, out / "store", force=force, quick=quick, json=json)
+        if not quick:
+            say_plan_of(choice_experiment(source, SirfsChoice(), store), store, force=force)
+        say_plan(source, channels, store, force=force, quick=quick, json=json)
         return
     require_writable(*results, table, out / "report" / "report.pdf")
     options = RunOptions(workers, scheduler, None, force, task_seconds)
+    errors = None if quick else measure_sirfs_errors(source, store=store, options=options)
     run = measure_table1(
         source,
         channels=channels,
         manual=weights,
         own=own,
-        store=out / "store",
+        store=store,
         keep_models=keep_models,
         quick=quick,
         options=options,
     )
-    if not quick:
-        run = with_errors_of_fits(run, source, out / "store", options)
+    if errors is not None:
+        run = with_errors_of_fits(run, errors, store)
     print_table(table1_title(run.document), COLUMNS, table1_lines(run.document))
     say(*(f"written: {path}" for path in _write(run, results, table, out / "report")))
     say(*summary_lines(run.document))

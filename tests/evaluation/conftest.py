@@ -7,7 +7,8 @@ import pytest
 from datasets.illumination_pools import table1_lights
 from datasets.model_parameters import shipped_parameters
 from datasets.synthetic import Synthetic, synthesize
-from evaluation.table1 import Table1, run_table1
+from evaluation.table1 import run_table1
+from evaluation.table1_record import Table1
 
 OBJECTS = ("bear", "cup", "medal")
 LIGHTS = table1_lights(None, count=4)

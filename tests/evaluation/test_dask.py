@@ -22,7 +22,8 @@ from evaluation.dispatch import dispatch
 from evaluation.experiment import Experiment
 from evaluation.grid_run import RunOptions, run_grid
 from evaluation.row_store import MemoryRows
-from evaluation.table1 import Table1, run_table1
+from evaluation.table1 import run_table1
+from evaluation.table1_record import Table1
 from reports.command_line import run
 from shading_model.errors import RelightlabError
 from tests.evaluation.conftest import LIGHTS

@@ -21,7 +21,8 @@ from evaluation.grid_run import RunOptions, run_grid
 from evaluation.grid_status import GridStatus, grid_status, grid_summary
 from evaluation.kept_models import KeptModels
 from evaluation.row_store import ROWS, MemoryRows, RowStore
-from evaluation.table1 import Table1, run_table1
+from evaluation.table1 import run_table1
+from evaluation.table1_record import Table1
 from shading_model.errors import RelightlabError
 from tests.evaluation.conftest import LIGHTS
 from tests.evaluation.small_grids import Fault, small_experiment

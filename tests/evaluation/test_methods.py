@@ -15,7 +15,8 @@ from evaluation.methods import MethodContext, method_experiment
 from evaluation.own_rows import OwnChoices, OwnRows, own_choices, run_own_rows
 from evaluation.part_registries import find_part
 from evaluation.row_store import MemoryRows
-from evaluation.table1 import Table1, run_table1
+from evaluation.table1 import run_table1
+from evaluation.table1_record import Table1
 from shading_model.errors import RelightlabError
 from tests.evaluation.conftest import LIGHTS, OBJECTS
 

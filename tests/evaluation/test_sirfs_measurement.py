@@ -24,8 +24,9 @@ from evaluation.sirfs.fit import FitOptions
 from evaluation.sirfs.result import SirfsFit
 from evaluation.sirfs_fits import SirfsFits
 from evaluation.sirfs_measurement import RIVAL, fitted_model, fitted_parts
-from evaluation.table1 import RIVAL_ENTRY, Table1, run_table1
+from evaluation.table1 import run_table1
 from evaluation.table1_grid import DETAIL_SOURCES, Table1Context, table1_experiment
+from evaluation.table1_record import RIVAL_ENTRY, Table1
 from evaluation.table1_results import table1_document
 from evaluation.weight_rules import WEIGHT_RULES
 from shading_model.arrays import Image, Mask

@@ -13,8 +13,9 @@ from datasets.mit_berkeley import MitBerkeley
 from datasets.model_parameters import shipped_parameters
 from datasets.synthetic import Synthetic
 from evaluation.grid_run import RunOptions
-from evaluation.table1 import Table1, run_table1
+from evaluation.table1 import run_table1
 from evaluation.table1_grid import QUICK_SOURCES
+from evaluation.table1_record import Table1
 from evaluation.weight_rules import WEIGHT_RULES
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics

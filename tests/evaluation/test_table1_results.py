@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from evaluation.provenance import Provenance, provenance_of
-from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION, Table1
+from evaluation.table1 import PROTOCOL, PROTOCOL_VERSION
+from evaluation.table1_record import Table1
 from evaluation.table1_results import table1_document
 from tests.evaluation.conftest import LIGHTS, OBJECTS
 
