@@ -13,5 +13,7 @@ log albedo is what they leave of the log photograph, ``A = log I - S(Z, L)``.
 `prior_files`               files of it, and the shipped one
 `prior_training`            learning it again, from `training_data` and `light_training`;
                             `smoothness_search` chose the one weight that is not published
+`result`, `fit_files`       what a fit yields, and files of it
+`metrics`                   its errors against the truth
 ==========================  ========================================================================
 """
