@@ -7,8 +7,10 @@ from numba import njit
 from evaluation.sirfs.regions import Runs
 from shading_model.arrays import Float
 
+_FAST = {"reassoc", "contract", "nsz"}
 
-@njit(cache=True, error_model="numpy")
+
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def mixed_channels(
     values: Float, matrix: Float, runs: Runs, mixed: Float
 ) -> None:  # pragma: no cover  compiled
@@ -23,15 +25,16 @@ def mixed_channels(
     """
     for k in range(runs.shape[0]):
         i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
-        red, green, blue = values[0, i], values[1, i], values[2, i]
+        red, green = values[0, i, start:stop], values[1, i, start:stop]
+        blue = values[2, i, start:stop]
         for c in range(3):
             a, b, d = matrix[0, c], matrix[1, c], matrix[2, c]
-            out = mixed[c, i]
-            for j in range(start, stop):
+            out = mixed[c, i, start:stop]
+            for j in range(stop - start):
                 out[j] = a * red[j] + b * green[j] + d * blue[j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def add_mixed_channels(
     values: Float, matrix: Float, scale: float, runs: Runs, total: Float
 ) -> None:  # pragma: no cover  compiled
@@ -47,9 +50,10 @@ def add_mixed_channels(
     """
     for k in range(runs.shape[0]):
         i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
-        red, green, blue = values[0, i], values[1, i], values[2, i]
+        red, green = values[0, i, start:stop], values[1, i, start:stop]
+        blue = values[2, i, start:stop]
         for c in range(3):
             a, b, d = scale * matrix[0, c], scale * matrix[1, c], scale * matrix[2, c]
-            out = total[c, i]
-            for j in range(start, stop):
+            out = total[c, i, start:stop]
+            for j in range(stop - start):
                 out[j] += a * red[j] + b * green[j] + d * blue[j]

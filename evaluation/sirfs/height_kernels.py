@@ -16,11 +16,12 @@ from shading_model.arrays import Float
 
 CURVATURE_FLOOR = 1e-4
 SLANT_FLOOR = 0.01
+_FAST = {"reassoc", "contract", "nsz"}
 FLAT_ENDS = 1e-3
 """Within this of parallel or opposed to the outline's normal, the contour term has no gradient."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def padded_height(height: Float, padded: Float) -> None:  # pragma: no cover  compiled
     """Copy a height map (h, w) into one with a replicated border of one pixel, (h + 2, w + 2).
 
@@ -37,7 +38,7 @@ def padded_height(height: Float, padded: Float) -> None:  # pragma: no cover  co
         padded[i, columns + 1] = height[source, columns - 1]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def slopes_of(padded: Float, down: Float, right: Float) -> None:  # pragma: no cover  compiled
     """Fill the slopes dZ/drow and dZ/dcolumn of a padded height map.
 
@@ -57,7 +58,7 @@ def slopes_of(padded: Float, down: Float, right: Float) -> None:  # pragma: no c
             out_right[j] = (corner - across + 2.0 * (here[j + 2] - here[j])) / 8.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def curvature_of(
     padded: Float, down: Float, right: Float, runs: Runs, curvature: Float, partials: Float
 ) -> None:  # pragma: no cover  compiled
@@ -74,11 +75,13 @@ def curvature_of(
     """
     for k in range(runs.shape[0]):
         i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
-        above, here, below = padded[i], padded[i + 1], padded[i + 2]
-        slope_down, slope_right, out = down[i], right[i], curvature[i]
-        by_p, by_q = partials[0, i], partials[1, i]
-        by_rr, by_cc, by_rc = partials[2, i], partials[3, i], partials[4, i]
-        for j in range(start, stop):
+        above, here = padded[i, start : stop + 2], padded[i + 1, start : stop + 2]
+        below, out = padded[i + 2, start : stop + 2], curvature[i, start:stop]
+        slope_down, slope_right = down[i, start:stop], right[i, start:stop]
+        by_p, by_q = partials[0, i, start:stop], partials[1, i, start:stop]
+        by_rr, by_cc = partials[2, i, start:stop], partials[3, i, start:stop]
+        by_rc = partials[4, i, start:stop]
+        for j in range(stop - start):
             corners = above[j] + above[j + 2] + below[j] + below[j + 2]
             sides = here[j] + here[j + 2]
             ends = above[j + 1] + below[j + 1]
@@ -100,7 +103,7 @@ def curvature_of(
             by_rc[j] = with_rc * inverse
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def curvature_adjoint(
     by_curvature: Float, scale: float, runs: Runs, partials: Float, gradients: Float
 ) -> None:  # pragma: no cover  compiled
@@ -118,18 +121,19 @@ def curvature_adjoint(
     """
     for k in range(runs.shape[0]):
         i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
-        source = by_curvature[i]
+        source = by_curvature[i, start:stop]
         for m in range(5):
-            part, target = partials[m, i], gradients[m, i + 2]
-            for j in range(start, stop):
-                target[j + 2] += scale * source[j] * part[j]
+            part = partials[m, i, start:stop]
+            target = gradients[m, i + 2, start + 2 : stop + 2]
+            for j in range(stop - start):
+                target[j] += scale * source[j] * part[j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def slant_loss(
     down: Float, right: Float, scale: float, gradients: Float
 ) -> float:  # pragma: no cover  compiled
-    """Return the sum of ``sqrt((log N_z)^2 + floor^2)`` over all pixels, and add scale times its gradient.
+    """Return the sum of ``sqrt((log N_z)^2 + floor^2)`` over pixels; add scale times its gradient.
 
     Parameters
     ----------
@@ -139,23 +143,28 @@ def slant_loss(
     """
     total = 0.0
     rows, columns = down.shape
+    leans = np.empty(columns)
     for i in range(rows):
         slope_down, slope_right = down[i], right[i]
-        by_down, by_right = gradients[0, i + 2], gradients[1, i + 2]
+        by_down, by_right = (
+            gradients[0, i + 2, 2 : columns + 2],
+            gradients[1, i + 2, 2 : columns + 2],
+        )
         for j in range(columns):
-            p, q = slope_down[j], slope_right[j]
-            square = 1.0 + p * p + q * q
             # log N_z = -log(1 + p^2 + q^2) / 2
-            lean = 0.5 * math.log(square)
+            p, q = slope_down[j], slope_right[j]
+            leans[j] = 0.5 * math.log(1.0 + p * p + q * q)
+        for j in range(columns):
+            p, q, lean = slope_down[j], slope_right[j], leans[j]
             length = math.sqrt(lean * lean + SLANT_FLOOR * SLANT_FLOOR)
             total += length
-            by_lean = scale * lean / (length * square)
-            by_down[j + 2] += by_lean * p
-            by_right[j + 2] += by_lean * q
+            by_lean = scale * lean / (length * (1.0 + p * p + q * q))
+            by_down[j] += by_lean * p
+            by_right[j] += by_lean * q
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def height_adjoint(gradients: Float, by_height: Float) -> None:  # pragma: no cover  compiled
     """Fill the gradient by height from those by slopes and second derivatives.
 

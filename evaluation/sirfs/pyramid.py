@@ -16,10 +16,11 @@ from numba import njit
 
 from shading_model.arrays import Float
 
+_FAST = {"reassoc", "contract", "nsz"}
 _EDGE, _MIDDLE = 1.0 / math.sqrt(8.0), 3.0 / math.sqrt(8.0)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def _decimated_rows(fine: Float, coarse: Float) -> None:  # pragma: no cover  compiled
     last = fine.shape[0] - 1
     for i in range(coarse.shape[0]):
@@ -30,7 +31,7 @@ def _decimated_rows(fine: Float, coarse: Float) -> None:  # pragma: no cover  co
             out[j] = _EDGE * (a[j] + d[j]) + _MIDDLE * (b[j] + c[j])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def _decimated_columns(fine: Float, coarse: Float) -> None:  # pragma: no cover  compiled
     last = fine.shape[1] - 1
     count = coarse.shape[1]
@@ -42,7 +43,7 @@ def _decimated_columns(fine: Float, coarse: Float) -> None:  # pragma: no cover 
             out[j] = _EDGE * (a + d) + _MIDDLE * (b + c)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def _spread_rows(coarse: Float, fine: Float) -> None:  # pragma: no cover  compiled
     """Add the transpose of `_decimated_rows`."""
     last = fine.shape[0] - 1
@@ -58,7 +59,7 @@ def _spread_rows(coarse: Float, fine: Float) -> None:  # pragma: no cover  compi
             d[j] += _EDGE * source[j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def _spread_columns(coarse: Float, fine: Float) -> None:  # pragma: no cover  compiled
     """Fill the transpose of `_decimated_columns`."""
     last = fine.shape[1] - 1

@@ -15,9 +15,9 @@ from evaluation.sirfs.line_search import MOST_TRIALS, Trial, wolfe_step
 from shading_model.arrays import Float
 
 MEMORY = 10
-RECENT = 5
-RELATIVE_CHANGE = 5e-5
-"""A run ends when the last `RECENT` values are within this of the newest."""
+RECENT = 20
+RELATIVE_CHANGE = 1e-4
+"""A run ends when the value fell by less than this share of itself in the last `RECENT` steps."""
 LARGEST_GRADIENT = 1e-5
 SMALLEST_STEP = 1e-9
 
@@ -107,7 +107,7 @@ def minimise(
         if watch:
             watch(run.evaluations, run.value, run.point)
         recent.append(run.value)
-        if len(recent) > RECENT and (max(recent) - run.value <= relative_change * abs(run.value)):
+        if len(recent) > RECENT and recent[0] - run.value <= relative_change * abs(run.value):
             return run.ended("the loss hardly changes any more")
     return run.ended(f"{most_evaluations} evaluations were made")
 

@@ -16,8 +16,10 @@ from evaluation.sirfs.regions import Runs
 from shading_model.arrays import Float
 from shading_model.illumination import C1, C2, C3, C4, C5
 
+_FAST = {"reassoc", "contract", "nsz"}
 
-@njit(cache=True, error_model="numpy")
+
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def log_albedo(
     down: Float,
     right: Float,
@@ -40,7 +42,8 @@ def log_albedo(
     normal = np.empty((3, down.shape[1]))
     for k in range(runs.shape[0]):
         i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
-        _normals(down[i], right[i], start, stop, normal)
+        count = stop - start
+        _normals(down[i, start:stop], right[i, start:stop], normal)
         x_of, y_of, z_of = normal[0], normal[1], normal[2]
         for c in range(light.shape[0]):
             one = light[c]
@@ -48,8 +51,8 @@ def log_albedo(
             by_y, by_z, by_x = 2 * C2 * one[1], 2 * C2 * one[2], 2 * C2 * one[3]
             by_xy, by_yz, by_xz = 2 * C1 * one[4], 2 * C1 * one[5], 2 * C1 * one[7]
             by_zz, by_square = C3 * one[6], C1 * one[8]
-            source, target = log_image[c, i], albedo[c, i]
-            for j in range(start, stop):
+            source, target = log_image[c, i, start:stop], albedo[c, i, start:stop]
+            for j in range(count):
                 x, y, z = x_of[j], y_of[j], z_of[j]
                 shading = (
                     constant
@@ -60,7 +63,7 @@ def log_albedo(
                 target[j] = source[j] - shading
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
 def log_albedo_adjoint(
     down: Float,
     right: Float,
@@ -87,18 +90,19 @@ def log_albedo_adjoint(
     normal, by_normal = np.empty((3, width)), np.empty((3, width))
     for k in range(runs.shape[0]):
         i, start, stop = runs[k, 0], runs[k, 1], runs[k, 2]
-        _normals(down[i], right[i], start, stop, normal)
+        count = stop - start
+        _normals(down[i, start:stop], right[i, start:stop], normal)
         x_of, y_of, z_of = normal[0], normal[1], normal[2]
         by_x_of, by_y_of, by_z_of = by_normal[0], by_normal[1], by_normal[2]
-        for j in range(start, stop):
+        for j in range(count):
             by_x_of[j] = by_y_of[j] = by_z_of[j] = 0.0
         for c in range(light.shape[0]):
-            one, source = light[c], by_albedo[c, i]
+            one, source = light[c], by_albedo[c, i, start:stop]
             by_y, by_z, by_x = 2 * C2 * one[1], 2 * C2 * one[2], 2 * C2 * one[3]
             by_xy, by_yz, by_xz = 2 * C1 * one[4], 2 * C1 * one[5], 2 * C1 * one[7]
             by_zz, by_square = 2 * C3 * one[6], 2 * C1 * one[8]
             total = s_x = s_y = s_z = s_xy = s_yz = s_zz = s_xz = s_square = 0.0
-            for j in range(start, stop):
+            for j in range(count):
                 x, y, z = x_of[j], y_of[j], z_of[j]
                 # The shading is subtracted.
                 given = -source[j]
@@ -124,21 +128,20 @@ def log_albedo_adjoint(
             out[6] += C3 * s_zz - C5 * total
             out[7] += 2 * C1 * s_xz
             out[8] += C1 * s_square
-        by_down, by_right = gradients[0, i + 2], gradients[1, i + 2]
-        for j in range(start, stop):
+        by_down = gradients[0, i + 2, start + 2 : stop + 2]
+        by_right = gradients[1, i + 2, start + 2 : stop + 2]
+        for j in range(count):
             x, y, z = x_of[j], y_of[j], z_of[j]
             along = by_x_of[j] * x + by_y_of[j] * y + by_z_of[j] * z
             # z is one over the length of (-dZ/dcolumn, dZ/drow, 1).
-            by_down[j + 2] += z * (by_y_of[j] - along * y)
-            by_right[j + 2] -= z * (by_x_of[j] - along * x)
+            by_down[j] += z * (by_y_of[j] - along * y)
+            by_right[j] -= z * (by_x_of[j] - along * x)
 
 
-@njit(cache=True, error_model="numpy")
-def _normals(
-    down: Float, right: Float, start: int, stop: int, normal: Float
-) -> None:  # pragma: no cover  compiled
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
+def _normals(down: Float, right: Float, normal: Float) -> None:  # pragma: no cover  compiled
     x_of, y_of, z_of = normal[0], normal[1], normal[2]
-    for j in range(start, stop):
+    for j in range(down.size):
         z = 1.0 / math.sqrt(1.0 + down[j] * down[j] + right[j] * right[j])
         x_of[j] = -right[j] * z
         y_of[j] = down[j] * z
@@ -157,7 +160,7 @@ def contour_loss(
     scale: float,
     gradients: Float,
 ) -> float:  # pragma: no cover  compiled
-    """Return the sum of ``max(0, 1 - N . b)^power`` over the outline, and add scale times its gradient.
+    """Return the sum of ``max(0, 1 - N . b)^power`` over the outline; add scale times its gradient.
 
     Parameters
     ----------
