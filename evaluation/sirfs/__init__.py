@@ -13,6 +13,14 @@ log albedo is what they leave of the log photograph, ``A = log I - S(Z, L)``.
 `prior_files`               files of it, and the shipped one
 `prior_training`            learning it again, from `training_data` and `light_training`;
                             `smoothness_search` chose the one weight that is not published
+`fit`                       one photograph, or several of one shape, from start to result
+`framing`, `problem`        the rectangle that is fitted, and the problem posed there
+`objective`, `view`         the loss and its gradient: of the shape, and of one photograph's albedo
+`entropy`, `depth_term`     terms of the histogram of albedo, and of an external depth map
+`regions`                   runs of pixels, pairs of neighbours, the outline
+``*_kernels``               the compiled inner loops, each with its adjoint
+`descent`, `quasi_newton`,  the minimiser: the pyramid's metric, limited memory, strong Wolfe
+`line_search`, `pyramid`    conditions
 `result`, `fit_files`       what a fit yields, and files of it
 `metrics`                   its errors against the truth
 ==========================  ========================================================================

@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from evaluation.sirfs.regions import Runs
-from shading_model.arrays import Float
+from shading_model.arrays import Float, Mask
 
 _FAST = {"reassoc", "contract", "nsz"}
 
@@ -156,11 +156,10 @@ def _inside(share: float) -> float:  # pragma: no cover  compiled
     return 1.0 if 0.0 < share < 1.0 else 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath=_FAST)
-def smoothed_histogram(histogram: Float, kernel: Float) -> Float:  # pragma: no cover  compiled
+def smoothed_histogram(histogram: Float, kernel: Float) -> Float:
     """Return a histogram convolved along its three axes, where its rows are occupied.
 
-    Rows along the last axis that hold nothing stay zero in the result.
+    Rows along the last axis that hold nothing stay zero in the result: nobody asks for them.
 
     Parameters
     ----------
@@ -171,34 +170,53 @@ def smoothed_histogram(histogram: Float, kernel: Float) -> Float:  # pragma: no 
     Returns
     -------
     (a, b, c) array
+
+    Examples
+    --------
+    >>> histogram = np.zeros((3, 3, 3))
+    >>> histogram[1, 1, 1] = 8.0
+    >>> smoothed_histogram(histogram, np.array([0.25, 0.5, 0.25]))[1, 1]
+    array([0.5, 1. , 0.5])
     """
-    first, second, third = histogram.shape
-    reach = kernel.size // 2
-    once, twice = np.zeros_like(histogram), np.zeros_like(histogram)
-    result = np.zeros_like(histogram)
-    occupied, reached = np.zeros((first, second), np.bool_), np.zeros((first, second), np.bool_)
-    for i in range(first):
-        for j in range(second):
-            row, out = histogram[i, j], once[i, j]
-            occupied[i, j] = row.max() > 0.0
+    occupied = np.asarray(histogram.any(axis=2))
+    once, twice, thrice = (np.zeros(histogram.shape) for _ in range(3))
+    _smooth_last(histogram, kernel, occupied, once)
+    _smooth_middle(once, kernel, occupied, twice)
+    reached = np.asarray(twice.any(axis=2))
+    # The first axis is the middle one of the transposed arrays.
+    _smooth_middle(
+        twice.transpose(1, 0, 2), kernel, reached.T, thrice.transpose(1, 0, 2), occupied.T
+    )
+    return thrice
+
+
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
+def _smooth_last(
+    values: Float, kernel: Float, occupied: Mask, out: Float
+) -> None:  # pragma: no cover  compiled
+    reach, count = kernel.size // 2, values.shape[2]
+    for i in range(values.shape[0]):
+        for j in range(values.shape[1]):
             if occupied[i, j]:
                 for k in range(kernel.size):
                     shift = k - reach
-                    low, high = max(0, -shift), min(third, third - shift)
-                    _add_scaled(row[low + shift : high + shift], kernel[k], out[low:high])
-    for i in range(first):
-        for j in range(second):
-            for k in range(max(0, j - reach), min(second, j + reach + 1)):
-                if occupied[i, k]:
-                    reached[i, j] = True
-                    _add_scaled(once[i, k], kernel[k - j + reach], twice[i, j])
-    for i in range(first):
-        for j in range(second):
-            if occupied[i, j]:
-                for k in range(max(0, i - reach), min(first, i + reach + 1)):
-                    if reached[k, j]:
-                        _add_scaled(twice[k, j], kernel[k - i + reach], result[i, j])
-    return result
+                    low, high = max(0, -shift), min(count, count - shift)
+                    if low < high:
+                        row = values[i, j, low + shift : high + shift]
+                        _add_scaled(row, kernel[k], out[i, j, low:high])
+
+
+@njit(cache=True, error_model="numpy", fastmath=_FAST)
+def _smooth_middle(
+    values: Float, kernel: Float, occupied: Mask, out: Float, wanted: Mask | None = None
+) -> None:  # pragma: no cover  compiled
+    reach, count = kernel.size // 2, values.shape[1]
+    for i in range(values.shape[0]):
+        for j in range(count):
+            if wanted is None or wanted[i, j]:
+                for k in range(max(0, j - reach), min(count, j + reach + 1)):
+                    if occupied[i, k]:
+                        _add_scaled(values[i, k], kernel[k - j + reach], out[i, j])
 
 
 @njit(cache=True, error_model="numpy", fastmath=_FAST)

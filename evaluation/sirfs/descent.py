@@ -1,4 +1,4 @@
-"""Minimising the loss of one problem: unknowns in one vector, and the metric that steps start from."""
+"""Minimising the loss of one problem: the unknowns as one vector, in the pyramid's metric."""
 
 from __future__ import annotations
 

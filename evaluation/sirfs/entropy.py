@@ -109,8 +109,8 @@ class HistogramCost:
         """Return the entropy's kernel along one of so many axes."""
         reach = math.ceil(_REACH * self.sigma / self.spacing)
         distance = np.arange(-reach, reach + 1) * self.spacing
-        kernel: Float = np.exp(-(distance**2) / (4 * self.sigma**2))
-        return kernel / self.count ** (2 / axes)
+        kernel: Float = np.exp(-(distance**2) / (4 * self.sigma**2)) / self.count ** (2 / axes)
+        return kernel
 
     def _losses(
         self, histogram: Float, smooth: Float, absolute: Float

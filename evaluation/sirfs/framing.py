@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shading_model.arrays import Float, Mask, check_image, check_mask
 from shading_model.errors import RelightlabError
+
+Values = TypeVar("Values", bound=NDArray[Any])
 
 MARGIN = 20
 """Background kept on each side of the object, in pixels, where the photograph has it."""
@@ -31,9 +35,10 @@ class Frame:
     rows: tuple[int, int]
     columns: tuple[int, int]
 
-    def cut(self, values: Float) -> Float:
+    def cut(self, values: Values) -> Values:
         """Return the part of an (h, w, ...) array inside the frame."""
-        return values[slice(*self.rows), slice(*self.columns)]
+        part = np.ascontiguousarray(values[slice(*self.rows), slice(*self.columns)])
+        return cast(Values, part)
 
     def pasted(self, values: Float) -> Float:
         """Return an (h, w, ...) array of the photograph's size, NaN outside the frame."""

@@ -100,7 +100,7 @@ def problem_of(
         outline=outline_of(seen.outline),
         weights=weights,
         whitening=light_whitening(prior),
-        precision=np.linalg.inv(prior.covariance),
+        precision=np.asarray(np.linalg.inv(prior.covariance), dtype=np.float64),
         depth=None
         if depth is None
         else DepthTerm(depth, weights.depth, weights.depth_power, seen.depth_blur),

@@ -10,6 +10,7 @@ unknowns stay as many as pixels.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
@@ -88,56 +89,6 @@ def level_count(shape: tuple[int, ...]) -> int:
     return max(int(math.log2(min(shape))), 1)
 
 
-def decimated(height: Float) -> Float:
-    """Return a map filtered and reduced to half its size, rounded up: D_1 applied to it.
-
-    Parameters
-    ----------
-    height : (h, w) array
-
-    Returns
-    -------
-    (ceil(h / 2), ceil(w / 2)) array
-
-    Examples
-    --------
-    >>> decimated(np.ones((4, 4))).round(6)
-    array([[8., 8.],
-           [8., 8.]])
-    """
-    rows, columns = height.shape
-    half = np.empty((-(-rows // 2), columns))
-    _decimated_rows(np.ascontiguousarray(height), half)
-    quarter = np.empty((half.shape[0], -(-columns // 2)))
-    _decimated_columns(half, quarter)
-    return quarter
-
-
-def spread(coarse: Float, shape: tuple[int, int]) -> Float:
-    """Return the transpose of `decimated` applied to a coarse map.
-
-    Parameters
-    ----------
-    coarse : (ceil(h / 2), ceil(w / 2)) array
-    shape : (h, w)
-
-    Returns
-    -------
-    (h, w) array
-
-    Examples
-    --------
-    >>> a, b = np.random.default_rng(1).normal(size=(2, 7, 5))
-    >>> bool(np.isclose(np.vdot(decimated(a), decimated(b)), np.vdot(a, spread(decimated(b), a.shape))))
-    True
-    """
-    half = np.empty((coarse.shape[0], shape[1]))
-    _spread_columns(np.ascontiguousarray(coarse), half)
-    fine = np.zeros(shape)
-    _spread_rows(half, fine)
-    return fine
-
-
 class Pyramid:
     """The metric of height maps of one size; it holds its levels, so it serves one thread.
 
@@ -161,10 +112,8 @@ class Pyramid:
         for _ in range((level_count(shape) if levels is None else levels) - 1):
             rows, columns = sizes[-1]
             sizes.append((-(-rows // 2), -(-columns // 2)))
-        self._levels = [np.empty(size) for size in sizes]
-        self._halves = [
-            np.empty((coarse[0], fine[1])) for fine, coarse in zip(sizes, sizes[1:], strict=False)
-        ]
+        self._levels = [np.empty(size) for size in sizes[1:]]
+        self._halves = [np.empty((coarse[0], fine[1])) for fine, coarse in pairwise(sizes)]
 
     def metric(self, gradient: Float, step: Float) -> None:
         """Fill ``T T' g``: the step in heights of a gradient step in the pyramid's levels.
@@ -175,12 +124,13 @@ class Pyramid:
         ----------
         gradient, step : (h, w) arrays
         """
-        levels = [gradient, *self._levels[1:]]
-        for fine, half, coarse in zip(levels, self._halves, levels[1:], strict=False):
+        np.copyto(step, gradient)
+        levels = [step, *self._levels]
+        for half, (fine, coarse) in zip(self._halves, pairwise(levels), strict=True):
             _decimated_rows(fine, half)
             _decimated_columns(half, coarse)
-        np.copyto(step, gradient)
-        sums = [step, *levels[1:]]
-        for fine, half, coarse in reversed(list(zip(sums, self._halves, sums[1:], strict=False))):
+        for half, (fine, coarse) in reversed(
+            list(zip(self._halves, pairwise(levels), strict=True))
+        ):
             _spread_columns(coarse, half)
             _spread_rows(half, fine)

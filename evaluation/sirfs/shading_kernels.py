@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from evaluation.sirfs.regions import Runs
 from shading_model.arrays import Float
@@ -152,8 +153,8 @@ def _normals(down: Float, right: Float, normal: Float) -> None:  # pragma: no co
 def contour_loss(
     down: Float,
     right: Float,
-    rows: Float,
-    columns: Float,
+    rows: NDArray[np.int64],
+    columns: NDArray[np.int64],
     outward: Float,
     power: float,
     flat_ends: float,

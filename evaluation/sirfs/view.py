@@ -132,9 +132,15 @@ class ViewBuffers:
     def of(cls, view: View) -> ViewBuffers:
         """Return buffers for a view."""
         shape = view.log_image.shape
-        maps = [np.zeros(shape) for _ in range(4)]
         pixels = int(view.valid.sum()) if view.channels == 3 else 0
-        return cls(*maps, lines=np.zeros((LINES, shape[-1])), places=Places.of(pixels))
+        return cls(
+            albedo=np.zeros(shape),
+            mixed=np.zeros(shape),
+            by_mixed=np.zeros(shape),
+            by_albedo=np.zeros(shape),
+            lines=np.zeros((LINES, shape[-1])),
+            places=Places.of(pixels),
+        )
 
 
 def view_loss(
