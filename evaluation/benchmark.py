@@ -33,6 +33,7 @@ from datasets.records import Dataset, Photograph
 from datasets.synthetic import Synthetic, synthetic_root
 from evaluation.grid_run import RunOptions
 from evaluation.row_store import ROWS, RowStore
+from evaluation.sirfs_benchmark import fit_times, report_fit
 from evaluation.table1 import run_table1
 from shading_model.geometric_detail import geometric_detail
 from shading_model.illumination_fit import fit_point_lights
@@ -169,7 +170,7 @@ def _dataset(root: Path | None) -> Dataset:
 
 
 def main() -> None:
-    """Print the stages of three objects, how they grow, and the whole of Table 1."""
+    """Print the whole of Table 1, the stages of three objects, fits of SIRFS, and the growth."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
     parser.add_argument("--data", type=Path, help="folder that holds mit-berkeley/")
     parser.add_argument("--workers", type=int, default=2)
@@ -184,6 +185,9 @@ def main() -> None:
         timed = [stage_times(p, parameters) for p in (*photographs, enlarged(photographs[0]))]
     for times in timed:
         print("\n".join(report(times)))
+    with threadpool_limits(limits=1):
+        for name in names:
+            print("\n".join(report_fit(fit_times(dataset, name))))
     growth = timed[-1].seconds["whole build"] / timed[0].seconds["whole build"]
     print(f"four times the pixels: {growth:.2f} times the time (limit {GROWTH_LIMIT:.0f})")
 

@@ -102,7 +102,9 @@ def descend(
 
     def function(vector: Float, gradient: Float) -> float:
         at, out = unpacked(vector), unpacked(gradient)
-        found = objective(at.height, at.lights)
+        # A step that is far too long is told by a loss that is not finite, which is shortened.
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = objective(at.height, at.lights)
         out.height[:] = 0.0 if fixed.height else found.by_height
         out.lights[:] = 0.0 if fixed.lights else found.by_lights
         return found.loss
@@ -124,6 +126,7 @@ def descend(
         watch=None if watch is None else lambda done, loss, _: watch(done, loss),
     )
     end = unpacked(found.point)
-    evaluation = objective(end.height, end.lights)
+    with np.errstate(over="ignore", invalid="ignore"):
+        evaluation = objective(end.height, end.lights)
     albedo = tuple(objective.log_albedo(view).copy() for view in range(len(problem.views)))
     return Descent(end, evaluation, albedo, found.evaluations, found.stopped)

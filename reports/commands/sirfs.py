@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,16 +11,107 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reports.commands.options import DataRoot, JsonFile
+from shading_model.errors import RelightlabError
 
 if TYPE_CHECKING:
     from evaluation.sirfs.priors import SirfsPriors
+    from reports.console import Report
+    from shading_model.arrays import Float
 
 app = typer.Typer(help="SIRFS, the rival method: shape, light and albedo from shading.")
 
 
-@app.callback()
-def _sirfs_command() -> None:
-    """SIRFS, the rival method: shape, light and albedo from shading."""
+@app.command("fit")
+def fit_command(
+    photograph: Annotated[Path, typer.Argument(metavar="PHOTO", help="8-bit or 16-bit picture.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write, .npz.")],
+    mask: Annotated[
+        Path | None,
+        typer.Option(help="Picture of the same size, above zero on the object; default: alpha."),
+    ] = None,
+    light: Annotated[
+        str, typer.Option(help="Which lights are likely: 'laboratory' or 'natural'.")
+    ] = "laboratory",
+    channels: Annotated[str, typer.Option(help="Fit 'color', or 'gray': the mean.")] = "color",
+    without: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TERM", help="Leave this term of the loss out; again for more."),
+    ] = None,
+    depth: Annotated[
+        Path | None,
+        typer.Option(help="External depth, .npy in pixels, larger is nearer, NaN where unknown."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Coarse to fine: a third of the time, less faithful.")
+    ] = False,
+    max_pixels: Annotated[
+        int, typer.Option(help="Larger objects are reduced; 250000 take about a minute.")
+    ] = 250_000,
+) -> None:
+    """Explain a photograph by shape, albedo, shading and light."""
+    from datasets.photograph_files import load_photograph, saturation_notice
+    from evaluation.sirfs.fit import EVALUATIONS, QUICK_EVALUATIONS, FitOptions, fit_sirfs
+    from evaluation.sirfs.fit_files import save_fit
+    from evaluation.sirfs.prior_files import shipped_priors
+    from evaluation.sirfs.settings import term_weights
+    from reports.commands.model import check_suffix
+    from reports.console import progress, say
+    from reports.result_files import require_writable
+
+    check_suffix(out, (".npz",))
+    term_weights(light, channels, tuple(without or ()))
+    require_writable(out)
+    taken, notice = load_photograph(photograph, mask, max_pixels=max_pixels)
+    say(*filter(None, (notice, saturation_notice(taken))))
+    options = FitOptions(
+        light=light,
+        channels=channels,
+        without=tuple(without or ()),
+        depth=None if depth is None else _depth(depth, taken.mask.shape),
+        evaluations=QUICK_EVALUATIONS if quick else EVALUATIONS,
+    )
+    with progress("fitting") as report:
+        fit = fit_sirfs(
+            taken.image, taken.mask, shipped_priors(), options, progress=_LossProgress(report)
+        )
+    save_fit(out, fit)
+    say(
+        f"final loss {fit.final_loss:.4f} after {fit.evaluations:.0f} evaluations: {fit.stopped}",
+        f"written: {out} ({int(fit.mask.sum())} pixels of {taken.mask.shape[1]}x"
+        f"{taken.mask.shape[0]})",
+    )
+
+
+class _LossProgress:
+    """Progress of a fit, with its loss and the time that is left at most.
+
+    Parameters
+    ----------
+    report : Report
+    """
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self._started = time.monotonic()
+
+    def __call__(self, done: float, most: float, loss: float) -> None:
+        """Show how far the fit has come."""
+        seconds = (time.monotonic() - self._started) * (most - done) / max(done, 1e-9)
+        self._report(int(done), int(most), f"loss {loss:.4f}, at most {seconds:.0f} s left")
+
+
+def _depth(path: Path, shape: tuple[int, ...]) -> Float:
+    import numpy as np
+
+    try:
+        depth = np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
+    except (OSError, ValueError) as error:
+        raise RelightlabError(f"cannot read the depth in {path}: {error}") from error
+    if depth.shape != shape:
+        raise RelightlabError(
+            f"expected depth of shape (h, w) = {shape}, the photograph's, got {depth.shape}"
+        )
+    return depth
 
 
 @app.command("train")
@@ -40,8 +132,6 @@ def train_command(
     ] = False,
 ) -> None:
     """Learn the priors from the training objects of MIT-Berkeley again (2 min)."""
-    import time
-
     from evaluation.sirfs.prior_files import FILE, SUFFIX, save_priors
     from evaluation.sirfs.prior_training import train_priors
     from reports.commands.model import check_suffix
@@ -90,7 +180,6 @@ def _search(root: Path, json: Path | None) -> None:
 
 def _set_folder(data: Path | None) -> Path:
     from datasets.locations import find_root_of, missing_data_sentence
-    from shading_model.errors import RelightlabError
 
     root = find_root_of("mit-berkeley", data)
     if root is None:
