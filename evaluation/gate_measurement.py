@@ -40,7 +40,7 @@ SYNTHETIC_SIZE, SYNTHETIC_SAMPLES = 96, 4
 SYNTHETIC_OBJECTS: tuple[str, ...] | None = None
 """All that there are."""
 MIT_OBJECTS = ("cup1", "pear", "raccoon", "sun")
-FITTED = {"synthetic": ("apple", "leaf", "fish"), "mit-berkeley": ("pear",)}
+FITTED = {"synthetic": ("folded_paper", "crumpled_paper", "medal"), "mit-berkeley": ("pear",)}
 """The objects that SIRFS is fitted to, in every setting: those whose fits wander least."""
 LIGHTS = 4
 DIGITS = 8

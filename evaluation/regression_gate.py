@@ -13,9 +13,9 @@ A cell is worse when its error exceeds the recorded one by more than a relative 
   `RENDERED_ELSEWHERE`. Paths of light are drawn by the same numbers, but processors round the
   reciprocals that aim them differently, so the noise is another one; from an Intel to an AMD
   processor one residual of a smooth shading moved by 4.9%, the errors by up to 1.5%.
-- What comes of a fit of SIRFS is told by looser ones on another platform: `FIT_ELSEWHERE`, twice
-  what rounding alone moved errors by, and `LOSS_ELSEWHERE`, five times what it moved losses by (see
-  `evaluation.gate_sirfs`).
+- What comes of a fit of SIRFS is told by looser ones on another platform: `FIT_ELSEWHERE`, three
+  times what rounding alone moved errors by, and `LOSS_ELSEWHERE`, twice what it moved losses by
+  (see `evaluation.gate_sirfs`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from shading_model.errors import RelightlabError
 SAME_PLATFORM = 1e-6
 OTHER_PLATFORM = 1e-4
 RENDERED_ELSEWHERE = 0.1
-FIT_ELSEWHERE, LOSS_ELSEWHERE = 0.2, 0.005
+FIT_ELSEWHERE, LOSS_ELSEWHERE = 0.3, 0.01
 NOT_MEASURED = float("inf")
 _NOTHING = 1e-12
 """Errors below this are zero."""
@@ -220,7 +220,7 @@ def tolerance_of(cell: str, tolerance: float, *, rendered: bool = False) -> floa
     Examples
     --------
     >>> tolerance_of("natural pear sirfs none 00", OTHER_PLATFORM)
-    0.2
+    0.3
     >>> tolerance_of("natural pear default oracle 00", OTHER_PLATFORM, rendered=True)
     0.0001
     """
