@@ -10,9 +10,9 @@ A cell is worse when its error exceeds the recorded one by more than a relative 
   SkylakeX, NumPy without AVX instructions, and the synthetic set made anew by them, no cell moved
   by more than 1.4e-8; other versions of the solvers stop elsewhere within their own tolerances.
 - In laboratory photographs that another platform rendered, where the set's fingerprint shows it:
-  `RENDERED_ELSEWHERE`. Paths of light are drawn by the same numbers, but processors round the
-  reciprocals that aim them differently, so the noise is another one; from an Intel to an AMD
-  processor one residual of a smooth shading moved by 4.9%, the errors by up to 1.5%.
+  `RENDERED_ELSEWHERE`. Paths of light are drawn by the same numbers, but the noise is another one
+  (why is not verified; rounding is a guess); between the platform of an earlier record and another
+  one residual of a smooth shading moved by 4.9%, the errors by up to 1.5%.
 - What comes of a fit of SIRFS is told by looser ones on another platform: `FIT_ELSEWHERE`, three
   times what rounding alone moved errors by, and `LOSS_ELSEWHERE`, twice what it moved losses by
   (see `evaluation.gate_sirfs`).
