@@ -44,7 +44,7 @@ class PointLightFit:
 def fit_point_lights(shading: Map, normals: Normals, height: Map) -> PointLightFit:
     """Return the five point sources that best explain a shading (`eq:argminL`, 20 parameters).
 
-    Levenberg-Marquardt with the analytic Jacobian on a regular sample of at most
+    A trust-region Gauss-Newton search with the analytic Jacobian on a regular sample of about
     `SAMPLED_PIXELS` pixels; the intensities, in which the shading is linear, are then set by
     non-negative least squares on all of them. Cost beyond that last step does not grow with the
     number of pixels.
@@ -66,14 +66,14 @@ def fit_point_lights(shading: Map, normals: Normals, height: Map) -> PointLightF
     frame = _Frame.of(surface_points(height)[inside])
     points, facing, target = frame.points, normals[inside], shading[inside]
     chosen = np.arange(0, len(target), max(1, len(target) // SAMPLED_PIXELS))
-    # Levenberg-Marquardt wants as many residuals as parameters: a tiny object's are repeated.
-    chosen = np.resize(chosen, max(len(chosen), 4 * len(START_DIRECTIONS)))
     sample = PointLightProblem(points[chosen], facing[chosen], target[chosen], frame.clearance)
     solution = least_squares(
         sample.residual,
         sample.start(),
         sample.jacobian,
-        method="lm",
+        # MINPACK ("lm") depends in its last bits on where its arrays happen to lie in memory.
+        method="trf",
+        x_scale="jac",
         max_nfev=MAX_EVALUATIONS,
         xtol=TOLERANCE,
         ftol=TOLERANCE,
