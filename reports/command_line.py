@@ -18,6 +18,7 @@ from reports.commands.evaluate import app as evaluate_app
 from reports.commands.gate import app as gate_app
 from reports.commands.grid import app as grid_app
 from reports.commands.model import app as model_app
+from reports.commands.probe import app as probe_app
 from reports.commands.reproduce import app as reproduce_app
 from reports.commands.sirfs import app as sirfs_app
 from shading_model.errors import RelightlabError
@@ -35,6 +36,7 @@ app = typer.Typer(
 app.add_typer(reproduce_app)
 app.add_typer(data_app, name="data")
 app.add_typer(model_app, name="model")
+app.add_typer(probe_app, name="probe")
 app.add_typer(evaluate_app, name="evaluate")
 app.add_typer(gate_app, name="gate")
 app.add_typer(grid_app, name="grid")

@@ -149,4 +149,5 @@ def _all_numbers(entries: Sequence[str]) -> bool:
 
 
 def _is_number(entry: str) -> bool:
-    return entry in {"", "-"} or entry.replace(".", "", 1).replace(",", "").isdigit()
+    digits = entry.removeprefix("-").replace(".", "", 1).replace(",", "")
+    return entry in {"", "-"} or digits.isdigit()

@@ -1,24 +1,22 @@
-"""The light that a photographed white sphere was under (Ramamoorthi and Hanrahan 2001)."""
+"""The light of a picture that is cut to a white sphere, as a set of one's own holds it."""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from shading_model.arrays import Image
+from shading_model.diffuse_probe import SATURATED, fit_diffuse_probe
 from shading_model.errors import RelightlabError
-from shading_model.harmonic_conversion import fit_log_coefficients, visible_normals
 from shading_model.illumination import LogHarmonics
+from shading_model.probe_sphere import ProbeSphere
 
 SMALLEST_SIDE = 8
-LARGEST_RADIUS = 0.95
-"""Pixels farther from the centre, in radii, are mixed with the background."""
-SATURATED = 0.999
-LARGEST_SATURATED_SHARE = 0.05
 
 
 def light_of_probe(image: Image) -> LogHarmonics:
     """Return the nine log coefficients of each colour that best explain a diffuse sphere.
+
+    Saturated pixels are left out; a picture with values above one has none.
 
     Parameters
     ----------
@@ -36,6 +34,10 @@ def light_of_probe(image: Image) -> LogHarmonics:
         If the picture is not square to within two per cent, smaller than 8 pixels, not finite or
         negative, saturated, or dark.
 
+    See Also
+    --------
+    shading_model.diffuse_probe.fit_diffuse_probe : the same of any picture with a mask.
+
     Examples
     --------
     >>> light = light_of_probe(np.full((32, 32, 3), 0.5))
@@ -43,20 +45,16 @@ def light_of_probe(image: Image) -> LogHarmonics:
     array([[[0.5, 0.5, 0.5]]])
     """
     height, width = _checked_size(image)
-    normals = visible_normals()
-    normals = normals[np.hypot(normals[:, 0], normals[:, 1]) <= LARGEST_RADIUS]
-    places = np.stack(
-        [(height - 1 - height * normals[:, 1]) / 2, (width - 1 + width * normals[:, 0]) / 2]
+    sphere = ProbeSphere((height - 1) / 2, (width - 1) / 2, (height + width) / 4)
+    probe = fit_diffuse_probe(
+        image,
+        np.ones((height, width), bool),
+        saturated=np.inf if image.max() > 1 else SATURATED,
+        sphere=sphere,
     )
-    colours = [np.asarray(map_coordinates(image[..., c], places, order=1)) for c in range(3)]
-    shading = np.stack(colours, axis=-1)
-    if not np.isfinite(shading).all() or (shading < 0).any():
-        raise RelightlabError("the light probe has NaN, infinite or negative pixels")
-    if (shading >= SATURATED).any(axis=-1).mean() > LARGEST_SATURATED_SHARE:
-        raise RelightlabError("the light probe is saturated: expose it less, or give an .exr")
-    return LogHarmonics(
-        np.stack([fit_log_coefficients(normals, colour) for colour in shading.T], axis=-1)
-    )
+    if probe.log is None:
+        raise RelightlabError("the light probe is dark in one of its colours: its log is infinite")
+    return probe.log
 
 
 def _checked_size(image: Image) -> tuple[int, int]:
