@@ -88,7 +88,7 @@ class GenericViewCurve:
 
 
 def generic_view_rows(
-    shapes: Iterable[ObjectShape],
+    shapes: Iterable[ObjectShape | tuple[str, str, Map, Mask]],
     angles: Sequence[float] = ANGLES,
     azimuths: Sequence[float] = AZIMUTHS,
 ) -> tuple[GenericViewRow, ...]:

@@ -129,23 +129,26 @@ def _caption(curves: Sequence[GenericViewCurve]) -> str:
         " object that faces a distant light but lies in a shadow the surface casts on itself; a"
         " view turned as far would not see it either. Lines are medians over the objects (number:"
         f" {number}), bands their middle half; each value is a mean over the directions of turning."
+        f" The upright line, where there is one, is at {LARGEST_TURN:g} degrees."
     )
 
 
 def _shift_words(curve: GenericViewCurve) -> str:
     return (
         f"Turned by {curve.angles[-1]:g} degrees, {curve.shape} moves its outline by"
-        f" {_spread_words(curve)} percent of the diameter."
+        f" {_spread_words(curve, -1)} percent of the diameter."
     )
 
 
 def _share_words(curve: GenericViewCurve) -> str:
-    return (
-        f"Under a light at {curve.angles[-1]:g} degrees, {curve.shape} casts shadows on"
-        f" {_spread_words(curve)} percent of itself."
-    )
+    largest_turn = int(np.searchsorted(curve.angles, LARGEST_TURN, side="right")) - 1
+    each = [
+        f"{_spread_words(curve, place)} percent of itself at {curve.angles[place]:g} degrees"
+        for place in sorted({largest_turn, len(curve.angles) - 1})
+    ]
+    return f"Under an inclined light, {curve.shape} casts shadows on {' and '.join(each)}."
 
 
-def _spread_words(curve: GenericViewCurve) -> str:
-    low, median, high = (100 * part[-1] for part in (curve.low, curve.median, curve.high))
+def _spread_words(curve: GenericViewCurve, place: int) -> str:
+    low, median, high = (100 * part[place] for part in (curve.low, curve.median, curve.high))
     return f"{median:.2f} (middle half {low:.2f} to {high:.2f})"

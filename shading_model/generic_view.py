@@ -17,10 +17,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import affine_transform, distance_transform_edt
+from scipy.ndimage import affine_transform, distance_transform_edt, gaussian_filter
 
 from shading_model.arrays import Float, Map, Mask, check_map, check_mask
 from shading_model.errors import RelightlabError
+
+OUTLINE_BLUR = 1.0
+"""Pixels by which the mask is blurred where its outline is measured, not where it is turned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,8 @@ def generic_view(
     Raises
     ------
     RelightlabError
-        If no height is known inside the mask, the sizes differ, or an angle is not in [0, 90).
+        If no height is known inside the mask, the sizes differ, an angle is not in [0, 90), or
+        an azimuth is not finite.
 
     Examples
     --------
@@ -68,8 +72,8 @@ def generic_view(
     >>> round(float(flat.outline_shift.max()), 12), float(flat.shadow_share.max())
     (0.0, 0.0)
     """
-    shift, share = _measured(height, mask, angles, azimuths, (_end_distance, _shadowed))
-    return GenericView(shift / _diameter(mask), share)
+    area, share = _measured(height, mask, angles, azimuths, (_differing, _shadowed))
+    return GenericView(area / _outline_unit(mask, azimuths), share)
 
 
 def outline_shift(
@@ -80,9 +84,9 @@ def outline_shift(
     The turned open surface and the turned flat mask, which only narrows by cos t, are both drawn
     without perspective. The area that one covers and the other does not, over the length of the
     outline as it is met along the azimuth (two ends for each run of the mask in each strip), is
-    the mean distance between both outlines; the object's diameter is that of the disk of the
-    mask's area. The viewer follows the object: the commonest shift of all ends (their median) is
-    taken out, so that neither the pivot nor the unknown offset of a height field counts.
+    the mean distance between both outlines along the azimuth; the object's diameter is that of the
+    disk of the mask's area. The viewer follows the object: the median shift of all ends is taken
+    out, so that neither the pivot nor the unknown offset of a height field counts.
 
     A surface over a level outline whose slopes stay below cot t does not move its outline at all.
     A hemisphere that stands on its outline has ``pi / 16 (1 - cos t)``.
@@ -112,9 +116,9 @@ def outline_shift(
     >>> (shift * diameter * 18 / (3 * 10 * np.sin(np.deg2rad(15)))).round(6)
     array([[1., 1.]])
     """
-    (shift,) = _measured(height, mask, angles, azimuths, (_end_distance,))
-    in_diameters: Float = shift / _diameter(mask)
-    return in_diameters
+    (area,) = _measured(height, mask, angles, azimuths, (_differing,))
+    shift: Float = area / _outline_unit(mask, azimuths)
+    return shift
 
 
 def self_shadow_share(
@@ -184,8 +188,11 @@ def _measured(
 ) -> Float:
     """Return measures of each turned view, shape (measures, angles, azimuths)."""
     own_mask = check_mask(mask)
-    complete = _completed(check_map(height, own_mask, "heights"), own_mask)
+    own_height, own_mask = _cut_out(check_map(height, own_mask, "heights"), own_mask)
+    complete = _completed(own_height, own_mask)
     turns = np.deg2rad(_checked_angles(angles))
+    if not np.isfinite(azimuths).all():
+        raise RelightlabError(f"expected azimuths in degrees, got {list(azimuths)}")
     measured = np.empty((len(measures), len(turns), len(azimuths)))
     for column, azimuth in enumerate(azimuths):
         strips = _strips(*_turned(complete, own_mask, float(azimuth)))
@@ -199,6 +206,13 @@ def _checked_angles(angles: Sequence[float]) -> Float:
     if not ((checked >= 0) & (checked < 90)).all():
         raise RelightlabError(f"expected angles from 0 to below 90 degrees, got {list(angles)}")
     return checked
+
+
+def _cut_out(height: Map, mask: Mask) -> tuple[Map, Mask]:
+    """Return both maps cut to the mask, so that turned pixels lie alike wherever it is."""
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    return height[box], mask[box]
 
 
 def _completed(height: Map, mask: Mask) -> Map:
@@ -248,8 +262,8 @@ def _strips(height: Map, mask: Mask) -> _Strips:
     )
 
 
-def _end_distance(strips: _Strips, angle: float) -> float:
-    """Return the mean distance between the ends of turned runs and of flat ones, in pixels."""
+def _differing(strips: _Strips, angle: float) -> float:
+    """Return the area that the turned surface covers and the flat one does not, or vice versa."""
     seen, half = strips.seen(angle), 0.5 * np.cos(angle)
     flat = [
         strips.along[ends] * np.cos(angle) + side
@@ -265,7 +279,7 @@ def _end_distance(strips: _Strips, angle: float) -> float:
     runs = runs + strips.strip[strips.first] * (np.ptp(runs) + 1.0)
     either = _covered(*np.concatenate(runs, axis=-1))
     differing = 2 * either - _covered(*runs[0]) - _covered(*runs[1])
-    return max(float(differing), 0.0) / (2 * len(strips.first))
+    return max(float(differing), 0.0)
 
 
 def _covered(low: Float, high: Float) -> float:
@@ -291,5 +305,13 @@ def _shadowed(strips: _Strips, angle: float) -> float:
     return float(parts.sum()) / seen.size
 
 
-def _diameter(mask: Mask) -> float:
-    return 2 * float(np.sqrt(np.count_nonzero(mask) / np.pi))
+def _outline_unit(mask: Mask, azimuths: Sequence[float]) -> Float:
+    """Return the area between two outlines one diameter apart, for each azimuth."""
+    inside = np.asarray(mask, dtype=bool)
+    # Ends of runs in a turned raster would count every step of a slanted outline.
+    smooth = gaussian_filter(np.pad(inside.astype(np.float64), 6), OUTLINE_BLUR)
+    down, right = np.gradient(smooth)
+    turns = np.deg2rad(np.asarray(azimuths, dtype=np.float64))
+    ends = [np.abs(np.cos(turn) * right - np.sin(turn) * down).sum() for turn in turns]
+    diameter = 2 * np.sqrt(np.count_nonzero(inside) / np.pi)
+    return np.array(ends, dtype=np.float64) * float(diameter)
