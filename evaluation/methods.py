@@ -16,10 +16,11 @@ from datasets.records import Dataset
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_run import Progress, RunOptions, run_grid
 from evaluation.grid_status import GridStatus
+from evaluation.input_hashes import shared_inputs
 from evaluation.rerendering import RerenderingCell, image_cell
 from evaluation.row_store import Rows
 from evaluation.stored_cells import missing_reason
-from evaluation.table1_grid import VERSION, shared_inputs
+from evaluation.table1_grid import VERSION
 from shading_model.arrays import Float, Image, Mask
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics

@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from datasets.records import Dataset, Photograph
+from datasets.records import Dataset
 from evaluation.blob_store import BLOBS, BlobStore, blob_key
 from evaluation.code_version import code_hash
-from evaluation.sirfs.fit import FitOptions, fit_sirfs
+from evaluation.sirfs.fit import FitOptions, fit_sirfs_stereo
 from evaluation.sirfs.fit_files import SUFFIX, load_fit, save_fit
 from evaluation.sirfs.prior_files import shipped_priors
 from evaluation.sirfs.priors import SirfsPriors, priors_identity
 from evaluation.sirfs.result import SirfsFit
-from shading_model.arrays import Mask
+from shading_model.arrays import Image, Mask
 
 FITTING_CODE = (
     *("evaluation/sirfs", "shading_model/illumination.py"),
@@ -85,16 +85,47 @@ class SirfsFits:
         photograph = dataset.load(name, setting).photograph
         outline = object_outline(dataset, name, setting)
         options = FitOptions(light_model(setting), channels, self.without)
+        return self.fit_images([photograph.image], photograph.mask, options, outline)
+
+    def fit_images(
+        self,
+        images: Sequence[Image],
+        mask: Mask,
+        options: FitOptions,
+        outline: Mask | None = None,
+    ) -> SirfsFit:
+        """Return the fit to photographs that share one shape, made or read: the same bits.
+
+        Parameters
+        ----------
+        images : sequence of (h, w, 3) arrays
+            One photograph, or several from one place under different lights (SIRFS-stereo).
+        mask : (h, w) bool array
+        options : FitOptions
+            Without a known shape, a known light or a depth map, which have no part in the key.
+        outline : (h, w) bool array, optional
+            The object's silhouette, where the mask is less than it.
+
+        Returns
+        -------
+        SirfsFit
+            Albedo, shading and light are those of the first photograph.
+
+        Raises
+        ------
+        RelightlabError
+            As `evaluation.sirfs.fit.fit_sirfs_stereo`, or if the folder cannot be written.
+        """
         priors, identity = priors_in_use()
+        silhouette = mask if outline is None else outline
 
         def make() -> SirfsFit:
             with threadpool_limits(limits=1):
-                image, mask = photograph.image, photograph.mask
-                return fit_sirfs(image, mask, priors, options, outline=outline)
+                return fit_sirfs_stereo(images, mask, priors, options, outline=silhouette)[0]
 
         if self.folder is None:
             return make()
-        key = fit_key(photograph, outline, options, identity)
+        key = fit_key(images, mask, silhouette, options, identity)
         return BlobStore(self.folder, SUFFIX).get_or_make(key, make, load_fit, save_fit)
 
 
@@ -156,12 +187,15 @@ def object_outline(dataset: Dataset, name: str, setting: str) -> Mask:
     return whole if whole.shape == mask.shape else mask
 
 
-def fit_key(photograph: Photograph, outline: Mask, options: FitOptions, priors: str) -> str:
+def fit_key(
+    images: Sequence[Image], mask: Mask, outline: Mask, options: FitOptions, priors: str
+) -> str:
     """Return the key of the fit to these inputs by this code.
 
     Parameters
     ----------
-    photograph : Photograph
+    images : sequence of (h, w, 3) arrays
+    mask : (h, w) bool array
     outline : (h, w) bool array
     options : FitOptions
         Of them, the light model, the channels, the terms left out and the evaluations.
@@ -173,8 +207,8 @@ def fit_key(photograph: Photograph, outline: Mask, options: FitOptions, priors: 
     str
     """
     inputs = {
-        "image": _hash(photograph.image),
-        "mask": _hash(photograph.mask),
+        "image": " ".join(_hash(image) for image in images),
+        "mask": _hash(mask),
         "outline": _hash(outline),
         "priors": priors,
     }

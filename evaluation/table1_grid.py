@@ -8,22 +8,19 @@ measured together.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from datasets.records import Dataset
-from evaluation.code_version import code_hash
+from evaluation.cell_values import cell_of_values, cell_values
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.grid_status import GridStatus
+from evaluation.input_hashes import parameters_hash, shared_inputs
 from evaluation.kept_models import KeptModels
 from evaluation.model_parts import PAPER_PARTS, ModelParts
 from evaluation.object_measurement import ObjectResult, measure_object
-from evaluation.rerendering import RerenderingCell
-from evaluation.retinex_thresholds import shipped_table
 from evaluation.sirfs_fits import SirfsFits, priors_in_use
 from evaluation.sirfs_measurement import (
     RIVAL,
@@ -39,9 +36,6 @@ QUICK_SOURCES = ("default", "gt-shading")
 DETAIL_SOURCES = ("default", SIRFS_SHADING, "gt-shading")
 """The sources of the rows of our models; those of `QUICK_SOURCES` need no SIRFS."""
 BASELINE = "flat"
-_GRAM = {"gram_cc": (0, 0), "gram_cp": (0, 1), "gram_cg": (0, 2), "gram_pp": (1, 1),
-         "gram_pg": (1, 2), "gram_gg": (2, 2)}  # fmt: skip
-_CROSS = ("cross_c", "cross_p", "cross_g")
 _OBJECT_VALUES = ("retinex_error", "point_light_residual", "harmonic_residual")
 
 
@@ -97,7 +91,7 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
         context=context,
         inputs={
             **shared_inputs(dataset, context.lights, context.channels),
-            "parameters": _parameters_hash(context.parameters),
+            "parameters": parameters_hash(context.parameters),
             **({} if parts == PAPER_PARTS else {"parts": parts.identity}),
             # In a quick run too, so that a later one with SIRFS finds its rows.
             "priors": priors_in_use()[1],
@@ -105,30 +99,6 @@ def table1_experiment(context: Table1Context, seed: str = "") -> Experiment:
         seed=seed,
         cost_axis="detail_source",
     )
-
-
-def shared_inputs(
-    dataset: Dataset, lights: Sequence[LogHarmonics], channels: str
-) -> dict[str, str]:
-    """Return the inputs that every row of Table 1 depends on, whatever the method.
-
-    Parameters
-    ----------
-    dataset : Dataset
-    lights : sequence of LogHarmonics
-    channels : str
-
-    Returns
-    -------
-    dict of str
-    """
-    return {
-        "dataset": dataset.name,
-        "data": dataset.fingerprint(),
-        "lights": _hash(*(light.coefficients for light in lights)),
-        "channels": channels,
-        "code": code_hash(),
-    }
 
 
 def measure_cells(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tuple[Cell, Values]]:
@@ -168,7 +138,7 @@ def _measure_own(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tupl
     known = {name: value for name, value in shared.items() if np.isfinite(value)}
     for cell in cells:
         measured = result.cells[cell["detail_source"]][int(cell["light"])]
-        yield cell, {**_values(measured), **known}
+        yield cell, {**cell_values(measured), **known}
 
 
 def _measure_fitted(context: Table1Context, cells: Sequence[Cell]) -> Iterator[tuple[Cell, Values]]:
@@ -188,7 +158,7 @@ def _measure_fitted(context: Table1Context, cells: Sequence[Cell]) -> Iterator[t
         sources=[cell["detail_source"] for cell in cells],
     )
     for cell in cells:
-        yield cell, _values(found[cell["detail_source"]][int(cell["light"])])
+        yield cell, cell_values(found[cell["detail_source"]][int(cell["light"])])
 
 
 def object_results(experiment: Experiment, status: GridStatus) -> tuple[ObjectResult, ...]:
@@ -221,43 +191,10 @@ def _object_result(
         return row["values"] if row else {}
 
     cells = {
-        source: tuple(_cell(values(source, light)) for light in axes["light"])
+        source: tuple(cell_of_values(values(source, light)) for light in axes["light"])
         for source in axes["detail_source"]
     }
     found = [values(s, light) for s in axes["detail_source"] for light in axes["light"]]
     shared: Values = next((row for row in found if row), {})
     numbers = {key: shared.get(key, float("nan")) for key in _OBJECT_VALUES}
     return ObjectResult(name, setting, cells, **numbers)
-
-
-def _values(cell: RerenderingCell) -> dict[str, float]:
-    values = {name: float(cell.gram[place]) for name, place in _GRAM.items()}
-    values.update(zip(_CROSS, cell.cross.tolist(), strict=True))
-    return {**values, "power": cell.power}
-
-
-def _cell(values: Values) -> RerenderingCell:
-    gram = np.full((3, 3), np.nan)
-    for name, (row, column) in _GRAM.items():
-        gram[row, column] = gram[column, row] = values.get(name, np.nan)
-    cross = np.array([values.get(name, np.nan) for name in _CROSS])
-    return RerenderingCell(gram, cross, values.get("power", float("nan")))
-
-
-def _parameters_hash(parameters: ModelParameters) -> str:
-    numbers: list[Any] = [
-        parameters.thresholds.gray,
-        parameters.thresholds.chromaticity,
-        parameters.slope_limit,
-        parameters.sparsity,
-    ]
-    learned = hashlib.sha256(repr(shipped_table()["settings"]).encode()).hexdigest()
-    return _hash(parameters.dictionary.atoms, np.array(numbers)) + "-" + learned[:16]
-
-
-def _hash(*arrays: Any) -> str:
-    digest = hashlib.sha256()
-    for array in arrays:
-        digest.update(str(np.shape(array)).encode())
-        digest.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
-    return digest.hexdigest()

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from evaluation.rerendering import RerenderingCell
-from shading_model.arrays import Float
+from shading_model.arrays import Float, Mask
 from shading_model.errors import RelightlabError
 from shading_model.object_model import Weights
 
@@ -97,6 +97,39 @@ def regressed(grid: CellGrid, neighbours: int = NEIGHBOURS) -> Float:
         for index in range(len(grid.cells)):
             known = _known_mean(np.delete(grid.oracle, index, axis=0)[:, near])
             predicted[index, light] = _affine_at_zero(offset, known)
+    return predicted
+
+
+def regressed_by_own_lights(
+    oracle: Float, coefficients: Float, neighbours: int = NEIGHBOURS
+) -> Float:
+    """Return weights as `regressed` predicts them, where every object has lights of its own.
+
+    Parameters
+    ----------
+    oracle : (objects, lights, 2) array
+        Oracle weights; NaN where a cell is missing, which then teaches nothing.
+    coefficients : (objects, lights, 9) array
+    neighbours : int
+        As many points of other objects as are nearest; all of them where there are fewer.
+
+    Returns
+    -------
+    (objects, lights, 2) array
+        NaN if no other object has a known cell.
+    """
+    predicted = np.full(oracle.shape, np.nan)
+    known: Mask = np.isfinite(np.concatenate([oracle, coefficients], axis=-1)).all(axis=-1)
+    for index in range(len(oracle)):
+        taught = known.copy()
+        taught[index] = False
+        points, weights = coefficients[taught], oracle[taught]
+        for light in range(oracle.shape[1] if len(points) else 0):
+            offset = points - coefficients[index, light]
+            distance = np.linalg.norm(offset, axis=-1)
+            last = np.sort(distance)[min(neighbours, len(points)) - 1]
+            near = distance <= last
+            predicted[index, light] = _affine_at_zero(offset[near], weights[near])
     return predicted
 
 

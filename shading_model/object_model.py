@@ -272,7 +272,11 @@ def split_by_shading(image: Image, mask: Mask, shading: Float) -> IntrinsicImage
 
 
 def assemble_model(
-    mask: Mask, shape: CoarseShape, parts: IntrinsicImages, parameters: ModelParameters
+    mask: Mask,
+    shape: CoarseShape,
+    parts: IntrinsicImages,
+    parameters: ModelParameters,
+    detail: Map | None = None,
 ) -> ObjectModel:
     """Derive both detail layers from a base shape and a photograph's parts.
 
@@ -284,6 +288,8 @@ def assemble_model(
     shape : CoarseShape
     parts : IntrinsicImages
     parameters : ModelParameters
+    detail : (h, w) array, optional
+        S_g of these parts, if it is known already: it does not depend on the shape.
 
     Returns
     -------
@@ -291,9 +297,10 @@ def assemble_model(
     """
     light = fit_point_lights(parts.shading, shape.normals, shape.height).illumination
     fitted = light.shade(shape.normals, shape.height)
-    detail = geometric_detail(
-        parts.shading, mask, parameters.dictionary, sparsity=parameters.sparsity
-    )
+    if detail is None:
+        detail = geometric_detail(
+            parts.shading, mask, parameters.dictionary, sparsity=parameters.sparsity
+        )
     return ObjectModel(
         mask, parts.albedo, shape.height, shape.normals, parts.shading - fitted, detail, light
     )

@@ -153,3 +153,65 @@ def sirfs_command(
         write_json(json, document)
         say(f"written: {json}")
     stop_if_incomplete(document)
+
+
+@app.command("base-shapes")
+def base_shapes_command(
+    dataset: Annotated[
+        str | None,
+        typer.Option(help="mit-berkeley, psm-uw, rgbd-mitten or synthetic; first found if none."),
+    ] = None,
+    data: DataRoot = None,
+    objects: Objects = None,
+    shapes: Annotated[
+        str | None, typer.Option(metavar="A,B", help="Measure these base shapes only.")
+    ] = None,
+    variants: Annotated[
+        str,
+        typer.Option(metavar="A,B", help="What is built from and changed; 'all' for every one."),
+    ] = "mean",
+    channels: Channels = "gray",
+    size: Size = 300,
+    workers: Workers = 2,
+    scheduler: Scheduler = None,
+    store: Store = None,
+    force: Force = False,
+    task_seconds: TaskSeconds = None,
+    quick: Quick = False,
+    plan: Plan = False,
+    json: JsonFile = None,
+) -> None:
+    """Relight models on several base shapes and compare with real photographs (Table 2)."""
+    from evaluation.base_shape_grid import available_variants
+    from evaluation.grid_run import RunOptions
+    from reports.base_shape_run import (
+        COLUMNS,
+        StudyChoice,
+        finding_lines,
+        measure_base_shapes,
+        open_study_set,
+        study_experiment,
+        study_lines,
+        study_title,
+    )
+    from reports.commands.grid import say_plan_of
+    from reports.console import print_table, say
+    from reports.result_files import require_writable, write_json
+    from reports.table1_text import stop_if_incomplete
+
+    found, notice = open_study_set(data, dataset, size=size, workers=workers)
+    say(notice)
+    chosen = available_variants(found) if variants == "all" else names_of(variants)
+    choice = StudyChoice(names_of(objects), chosen, names_of(shapes), channels, quick)
+    if plan:
+        say_plan_of(study_experiment(found, choice, store), store, force=force, json=json)
+        return
+    require_writable(json)
+    options = RunOptions(workers, scheduler, None, force, task_seconds)
+    document = measure_base_shapes(found, choice, store=store, options=options).document
+    print_table(study_title(document), COLUMNS, study_lines(document))
+    say(*finding_lines(document))
+    if json is not None:
+        write_json(json, document)
+        say(f"written: {json}")
+    stop_if_incomplete(document)
