@@ -2,7 +2,8 @@
 
 Sets
     `mit_berkeley` (with `mit_axes`), and `synthetic`, which needs no data: `synthetic_shapes` lists
-    its twenty objects, `synthetic_objects` makes one of them.
+    its twenty objects, `synthetic_objects` makes one of them; `psm_uw` and `rgbd_mitten` (with
+    `picture_series`), real objects under many lights.
 Finding and fetching them
     `catalogue` (what is known), `locations` (the data root), `fetching` (with `resuming_download`),
     `verification`, `file_tree`.
@@ -11,6 +12,7 @@ Lights
     `training_lights` (what priors are learned from).
 Files
     `image_files`, `openexr_files`, `photograph_files` (a picture and its mask, ready for a model),
+    `probe_files` (pictures of light probes),
     `model_files` (saved models), `atomic` (whole or absent).
 What ships for building models
     `model_parameters`, `shading_dictionary`.

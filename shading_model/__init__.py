@@ -14,6 +14,12 @@ What it is made of, in the order in which a model is built:
 `harmonic_conversion`     one convention of spherical harmonics to the other, and rotations
 `geometric_detail`        S_g, what a dictionary of smooth patches leaves of a shading
 `object_model`            all of it together: build a model, relight it (`eq:model`)
+`probe_sphere`            the circle of a photographed sphere, and the normals on it
+`diffuse_probe`           a matt sphere's light, with `light_probe` (cut out) and `distant_light`
+`chrome_probe`            the direction of a light from its highlight on a mirror sphere
+`relative_light`          the light of a picture over another of the view, told from the object
+`photometric_stereo`      normals and albedo from pictures under known lights
+`normal_integration`      heights from normals, over any mask
 `seeds`                   random generators seeded from names
 ========================  ==========================================================================
 
