@@ -99,12 +99,13 @@ class RgbdMitten:
         """Return the lights of `lit_photographs` with what they leave unexplained."""
         return self._lights(self._series())
 
-    def sensor_shape(self) -> CoarseShape:
+    def sensor_shape(self, name: str = OBJECT) -> CoarseShape:
         """Return the shape that the depth sensor gives: median of the frames, cleaned and filled.
 
         See `shading_model.sensor_shape`; heights in pixels of the pictures, known all over the
         mask.
         """
+        self._check(name)
         return self._sensor_shape(self._series())
 
     def saturated(self) -> Mask:

@@ -209,6 +209,8 @@ def test_unknown_names_are_suggested(made: RgbdMitten) -> None:
         made.load("mitt", "laboratory")
     with pytest.raises(RelightlabError, match="Unknown object 'glove'"):
         made.lit_photographs("glove")
+    with pytest.raises(RelightlabError, match="Unknown object 'cat'"):
+        made.sensor_shape("cat")
     with pytest.raises(RelightlabError, match="Unknown setting 'natural'"):
         made.load("mitten", "natural")
 
