@@ -81,3 +81,49 @@ def normals_of_slopes(right: Float, up: Float) -> Normals:
     stacked = np.stack([-right, -up, np.ones_like(right)], axis=-1)
     normals: Normals = stacked / np.linalg.norm(stacked, axis=-1, keepdims=True)
     return normals
+
+
+def normals_inside_outline(height: Map) -> Normals:
+    """Return the normals of a surface that ends at its outline, known wherever the height is.
+
+    Inside they are those of `slopes`; at the outline, differences that would reach a NaN are left
+    out, so a plane has its own normal up to its edge and nothing turns over the crease.
+
+    Parameters
+    ----------
+    height : (h, w) array
+        Pixels, NaN outside the mask.
+
+    Returns
+    -------
+    (h, w, 3) array
+        Unit normals (x right, y up, z toward the viewer), NaN where `height` is. A pixel without
+        a neighbour along an axis has no slope along it.
+
+    Examples
+    --------
+    >>> ramp = np.array([[np.nan, 1.0, 2.0], [np.nan, 1.0, 2.0]])
+    >>> normals_inside_outline(ramp)[0, 1].round(3) + 0.0
+    array([-0.707,  0.   ,  0.707])
+    """
+    right, down = _known_slope(height), _known_slope(height.T).T
+    normals = normals_of_slopes(right, -down)
+    normals[np.isnan(height)] = np.nan
+    return normals
+
+
+def _known_slope(height: Map) -> Map:
+    """Return the slope along the rows: [1 2 1] across them, over the known differences alone."""
+    difference = np.diff(height, axis=1)
+    known = np.isfinite(difference)
+    difference[~known] = 0.0
+    total, count = (
+        np.pad(part, ((1, 1), (1, 0))) + np.pad(part, ((1, 1), (0, 1)))
+        for part in (difference, known.astype(np.float64))
+    )
+    # Central differences are averaged, not pooled: a row's weight does not hang on its neighbours.
+    slope = np.divide(total, count, out=np.zeros_like(total), where=count > 0)
+    weight = (count > 0).astype(np.float64)
+    slope, weight = (2 * part[1:-1] + part[:-2] + part[2:] for part in (slope, weight))
+    result: Map = np.divide(slope, weight, out=np.zeros_like(slope), where=weight > 0)
+    return result

@@ -6,7 +6,12 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shading_model.height_field import normals_of_height, normals_of_slopes, slopes
+from shading_model.height_field import (
+    normals_inside_outline,
+    normals_of_height,
+    normals_of_slopes,
+    slopes,
+)
 
 slope = st.floats(-5, 5)
 
@@ -56,3 +61,33 @@ def test_a_shape_stands_on_the_plane_of_its_outline() -> None:
     assert normals[2, 4, 0] > 0 > normals[2, 1, 0]
     assert normals[1, 2, 1] > 0 > normals[3, 2, 1]
     assert np.allclose(normals[2, 2], normals[2, 3] * [-1, 1, 1])
+
+
+@given(slope, slope)
+def test_a_plane_has_its_own_normal_up_to_its_outline(right: float, up: float) -> None:
+    """Over a disk, with a hole, every pixel has the normal of the plane."""
+    rows, columns = np.mgrid[-7:8, -7:8].astype(float)
+    distance = np.hypot(rows, columns)
+    height = np.where((distance < 7) & (distance > 2), right * columns - up * rows, np.nan)
+    normals = normals_inside_outline(height)
+    known = np.isfinite(height)
+    expected = normals_of_slopes(np.array(right), np.array(up))
+    assert np.allclose(normals[known], expected)
+    assert np.isnan(normals[~known]).all()
+
+
+def test_normals_inside_are_those_of_the_slopes() -> None:
+    """Where all eight neighbours are known, both agree."""
+    height = np.random.default_rng(5).normal(size=(9, 11))
+    height[3, 4] = np.nan
+    expected = normals_of_slopes(*slopes(height))[1:-1, 1:-1]
+    known = np.isfinite(expected).all(axis=-1)
+    assert np.count_nonzero(~known) == 9
+    assert np.allclose(normals_inside_outline(height)[1:-1, 1:-1][known], expected[known])
+
+
+def test_a_lone_pixel_faces_the_viewer() -> None:
+    """Without neighbours there is no slope."""
+    height = np.full((3, 3), np.nan)
+    height[1, 1] = 7
+    assert np.array_equal(normals_inside_outline(height)[1, 1], [0, 0, 1])
