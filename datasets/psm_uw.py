@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -56,6 +57,7 @@ class PsmUw:
     name: str = "psm-uw"
     objects: tuple[str, ...] = OBJECTS
     settings: tuple[str, ...] = (SETTING,)
+    has_diffuse_photograph: ClassVar[bool] = False
 
     def load(self, name: str, setting: str) -> Capture:
         """Return the mean of an object's twelve pictures, cropped, and its reference shape.

@@ -16,6 +16,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -60,6 +61,8 @@ class RgbdMitten:
     name: str = "rgbd-mitten"
     objects: tuple[str, ...] = (OBJECT,)
     settings: tuple[str, ...] = (SETTING,)
+    has_diffuse_photograph: ClassVar[bool] = False
+    has_true_shape: ClassVar[bool] = False
 
     def load(self, name: str, setting: str) -> Capture:
         """Return the mean of the twenty pictures, which has no strong directional light.

@@ -6,7 +6,7 @@ Each is made of what its owner would have: the outline, a depth sensor, one phot
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -16,7 +16,6 @@ from scipy.ndimage import distance_transform_edt
 from datasets.records import Capture, Dataset
 from datasets.time_of_flight import simulate_time_of_flight
 from evaluation.sirfs.fit import FitOptions
-from evaluation.sirfs.result import SirfsFit
 from evaluation.sirfs_fits import UNKEPT, SirfsFits
 from shading_model.arrays import Float, Image, Map, Mask, Normals
 from shading_model.errors import RelightlabError
@@ -24,9 +23,10 @@ from shading_model.object_model import CoarseShape, ModelParameters, contour_bas
 from shading_model.seeds import generator_for
 from shading_model.sensor_shape import shape_from_depth
 
-STEREO_EVALUATIONS = (300, 200, 60)
-"""At quarter, half and full resolution. At full resolution alone a fit to ten photographs takes
-eight times as long and does not end at a lower loss."""
+STUDY_EVALUATIONS = (300, 200, 60)
+"""Of SIRFS, at quarter, half and full resolution: a fifth of the time of the fits of Table 1.
+Measured on four objects, losses end 0.5 to 5 % higher and mean angles of normals within 0.3 degrees
+(2.4 degrees better on the fourth)."""
 
 
 @runtime_checkable
@@ -155,8 +155,7 @@ def sirfs(request: ShapeRequest) -> CoarseShape:
     -------
     CoarseShape
     """
-    fit = request.fits.fit_images([request.image], request.mask, FitOptions("laboratory", "color"))
-    return _shape_of_fit(fit, request.mask)
+    return _shape_of_fit(request, (request.image,))
 
 
 def sirfs_stereo(request: ShapeRequest) -> CoarseShape:
@@ -170,10 +169,7 @@ def sirfs_stereo(request: ShapeRequest) -> CoarseShape:
     -------
     CoarseShape
     """
-    options = FitOptions("laboratory", "color", evaluations=STEREO_EVALUATIONS)
-    return _shape_of_fit(
-        request.fits.fit_images(request.photographs, request.mask, options), request.mask
-    )
+    return _shape_of_fit(request, request.photographs)
 
 
 BASE_SHAPES: dict[str, Callable[[ShapeRequest], CoarseShape]] = {
@@ -261,8 +257,10 @@ def _albedo(request: ShapeRequest) -> Float:
     return request.image if albedo is None else albedo
 
 
-def _shape_of_fit(fit: SirfsFit, mask: Mask) -> CoarseShape:
-    return filled_shape(fit.height, fit.normals, mask)
+def _shape_of_fit(request: ShapeRequest, images: Sequence[Image]) -> CoarseShape:
+    options = FitOptions("laboratory", "color", evaluations=STUDY_EVALUATIONS)
+    fit = request.fits.fit_images(images, request.mask, options)
+    return filled_shape(fit.height, fit.normals, request.mask)
 
 
 def _filled(values: Float, mask: Mask) -> Float:
