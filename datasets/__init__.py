@@ -3,7 +3,8 @@
 Sets
     `mit_berkeley` (with `mit_axes`), and `synthetic`, which needs no data: `synthetic_shapes` lists
     its twenty objects, `synthetic_objects` makes one of them; `psm_uw` and `rgbd_mitten` (with
-    `picture_series`), real objects under many lights.
+    `picture_series`), real objects under many lights. `time_of_flight` (with `interreflection`)
+    simulates a depth sensor before an object whose shape is known.
 Finding and fetching them
     `catalogue` (what is known), `locations` (the data root), `fetching` (with `resuming_download`),
     `verification`, `file_tree`.

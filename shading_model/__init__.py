@@ -18,6 +18,9 @@ What it is made of, in the order in which a model is built:
 `diffuse_probe`           a matt sphere's light, with `light_probe` (cut out) and `distant_light`
 `chrome_probe`            the direction of a light from its highlight on a mirror sphere
 `relative_light`          the light of a picture over another of the view, told from the object
+`depth_map`               millimetres on a sensor's grid, and where that grid lies in a picture
+`depth_cleaning`          its readings without the bad ones, filled and smoothed
+`sensor_shape`            the base shape that a depth sensor gives
 `photometric_stereo`      normals and albedo from pictures under known lights
 `normal_integration`      heights from normals, over any mask
 `seeds`                   random generators seeded from names

@@ -19,9 +19,10 @@ from datasets.time_of_flight import (
     simulate_time_of_flight,
 )
 from shading_model.arrays import Float, Map, Mask
+from shading_model.depth_cleaning import AS_MEASURED
 from shading_model.errors import RelightlabError
 from shading_model.seeds import generator_for
-from shading_model.sensor_shape import AS_MEASURED, shape_from_depth
+from shading_model.sensor_shape import shape_from_depth
 from tests.shading_model.outlines import angles, dome
 
 CLEAN = replace(KINECT_II, noise_mm=0.0, blur=0.0, interreflection=0.0, dark_mm=0.0, step_mm=0.0)

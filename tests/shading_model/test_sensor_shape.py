@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from datasets.image_files import read_linear_png, read_mask
 from shading_model.arrays import Map, Mask
+from shading_model.depth_cleaning import AS_MEASURED, Cleaning
 from shading_model.depth_map import DepthMap, Registration
 from shading_model.errors import RelightlabError
-from shading_model.sensor_shape import AS_MEASURED, Cleaning, fill, shape_from_depth, smoothed
+from shading_model.sensor_shape import shape_from_depth
 from tests.shading_model.outlines import angles, disk, dome
 
 FOCAL = 1000.0
@@ -98,20 +99,6 @@ def test_one_large_hole_in_a_quadratic_is_filled_exactly() -> None:
         assert np.allclose(shape.height[mask], level[mask], atol=1e-4)
 
 
-def test_filling_is_harmonic() -> None:
-    """Where values are a discrete harmonic function, holes get it; parts without any get zero."""
-    rows, columns = np.indices((30, 40), dtype=float)
-    harmonic = rows * columns + rows**2 - columns**2
-    values = harmonic.copy()
-    values[5:25, 7:30] = np.nan
-    domain = np.ones(values.shape, bool)
-    assert np.allclose(fill(values, domain), harmonic, atol=1e-4)
-    domain[:, 35] = False
-    values[:, 36:] = np.nan
-    assert np.allclose(fill(values, domain)[:, 36:], 0)
-    assert np.isnan(fill(values, domain)[:, 35]).all()
-
-
 def test_too_large_holes_are_refused() -> None:
     """Sixty per cent is filled; more is told, whether it is lost or out of the sensor's view."""
     mask = np.ones((10, 10), bool)
@@ -156,14 +143,6 @@ def test_outliers_inside_are_found_without_a_rim() -> None:
     cleaning = Cleaning(least_coverage=0.5, rim=0, smoothing=0.0)
     shape = shape_from_depth(DepthMap(depth, FOCAL), mask, cleaning)
     assert np.allclose(shape.height, height, atol=1e-3)
-
-
-def test_smoothing_reduces_noise_as_a_gaussian_does() -> None:
-    """White noise of deviation one has 1 / (2 sqrt(pi) s) after a Gaussian of deviation s."""
-    noise = np.random.default_rng(1).standard_normal((200, 200))
-    for deviation in (1.5, 2.5):
-        expected = 1 / (2 * np.sqrt(np.pi) * deviation)
-        assert np.isclose(smoothed(noise, deviation)[20:-20, 20:-20].std(), expected, rtol=0.1)
 
 
 def test_every_pixel_of_thin_and_separate_parts_is_known() -> None:
