@@ -8,54 +8,23 @@ the light's coefficients, which the regression of weights needs.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from threadpoolctl import threadpool_limits
 
-from datasets.records import Capture, Dataset, LitPhotograph
-from evaluation.base_shapes import (
-    BASE_SHAPES,
-    FITTED_SHAPES,
-    HasSensor,
-    ShapeRequest,
-    steepened,
-)
+from datasets.records import Dataset
+from evaluation.base_shape_models import BaseShapeContext, StudyBuild, study_builds
+from evaluation.base_shapes import BASE_SHAPES, FITTED_SHAPES, HasSensor
 from evaluation.cell_values import cell_values
 from evaluation.experiment import Cell, Experiment, Values
 from evaluation.input_hashes import parameters_hash, shared_inputs
 from evaluation.photograph_cells import photograph_cell
-from evaluation.retinex_thresholds import thresholds_for
-from evaluation.sirfs_fits import UNKEPT, SirfsFits, priors_in_use
-from evaluation.study_variants import TABLE, VARIANTS, BuildImages, Variant
-from shading_model.arrays import Map
+from evaluation.sirfs_fits import priors_in_use
+from evaluation.study_variants import TABLE, VARIANTS
 from shading_model.errors import RelightlabError, unknown_name
-from shading_model.geometric_detail import geometric_detail
-from shading_model.object_model import CoarseShape, ModelParameters, assemble_model
-from shading_model.retinex import IntrinsicImages, retinex
+from shading_model.object_model import CoarseShape
 
 NAME, VERSION = "base-shapes", 1
-SETTING = "laboratory"
-"""The setting whose objects were photographed under several lights."""
 LIGHT_VALUES = tuple(f"light_{number}" for number in range(9))
-
-
-@dataclass(frozen=True, eq=False)
-class BaseShapeContext:
-    """What the cells of Table 2 are measured with.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        With photographs under known lights, as many of every object.
-    parameters : ModelParameters
-    channels : {"gray", "color"}
-    fits : SirfsFits
-    """
-
-    dataset: Dataset
-    parameters: ModelParameters
-    channels: str = "gray"
-    fits: SirfsFits = UNKEPT
 
 
 def base_shape_experiment(
@@ -169,81 +138,39 @@ def measure_base_shapes(
     ------
     cell, values
     """
-    variant = VARIANTS[cells[0]["variant"]]
     wanted: dict[str, dict[int, Cell]] = {}
     for cell in cells:
         wanted.setdefault(cell["shape"], {})[int(cell["light"])] = cell
     with threadpool_limits(limits=1):
-        capture = context.dataset.load(cells[0]["object"], SETTING)
-        lit = context.dataset.lit_photographs(cells[0]["object"])
-        built = [
-            (images, *_parts(images, capture, context)) for images in variant.build(capture, lit)
-        ]
+        builds = study_builds(context, cells[0]["object"], cells[0]["variant"])
         # Fits come last, so that one that fails leaves the other shapes their results.
         for shape in sorted(wanted, key=lambda name: name in FITTED_SHAPES):
-            yield from _measure_shape(shape, wanted[shape], built, variant, capture, lit, context)
+            yield from _measure_shape(shape, wanted[shape], builds)
 
 
 def _measure_shape(
-    name: str,
-    places: Mapping[int, Cell],
-    built: Sequence[tuple[BuildImages, IntrinsicImages, Map]],
-    variant: Variant,
-    capture: Capture,
-    lit: Sequence[LitPhotograph],
-    context: BaseShapeContext,
+    name: str, places: Mapping[int, Cell], builds: Sequence[StudyBuild]
 ) -> Iterator[tuple[Cell, Values]]:
     shape: CoarseShape | None = None
-    for images, parts, detail in built:
-        lights = [light for light in images.lights if light in places]
+    for build in builds:
+        lights = [light for light in build.images.lights if light in places]
         if not lights:
             continue
         if shape is None or name in FITTED_SHAPES:
-            shape = _shape(name, images, variant, capture, context)
-        mask = capture.photograph.mask
-        model = assemble_model(mask, shape, parts, context.parameters, detail)
+            shape = build.shape(name)
+        model = build.model(shape)
         for light in lights:
-            known = lit[light].illumination
+            known = build.lit[light].illumination
             cell = photograph_cell(
                 model,
-                lit[light].photograph.image,
-                variant.light(known),
-                context.channels,
-                match_exposure=variant.match_exposure,
+                build.lit[light].photograph.image,
+                build.variant.light(known),
+                build.context.channels,
+                match_exposure=build.variant.match_exposure,
             )
             coefficients = known.monochrome().coefficients.tolist()
             lamp = dict(zip(LIGHT_VALUES, coefficients, strict=True))
             yield places[light], {**cell_values(cell), **lamp}
-
-
-def _parts(
-    images: BuildImages, capture: Capture, context: BaseShapeContext
-) -> tuple[IntrinsicImages, Map]:
-    """Return albedo, shading and geometric detail of a build image: the same for every shape."""
-    mask, parameters = capture.photograph.mask, context.parameters
-    name = capture.photograph.name
-    thresholds = thresholds_for(context.dataset.name, SETTING, name) or parameters.thresholds
-    parts = retinex(images.image, mask, thresholds)
-    detail = geometric_detail(
-        parts.shading, mask, parameters.dictionary, sparsity=parameters.sparsity
-    )
-    return parts, detail
-
-
-def _shape(
-    name: str, images: BuildImages, variant: Variant, capture: Capture, context: BaseShapeContext
-) -> CoarseShape:
-    shape = BASE_SHAPES[name](
-        ShapeRequest(
-            context.dataset,
-            capture,
-            images.image,
-            images.photographs,
-            context.parameters,
-            context.fits,
-        )
-    )
-    return shape if variant.height == 1.0 else steepened(shape, variant.height)
 
 
 def _light_count(dataset: Dataset, objects: Sequence[str]) -> int:

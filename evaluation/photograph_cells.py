@@ -8,7 +8,7 @@ from evaluation.rerendering import CHANNELS, RerenderingCell
 from shading_model.arrays import Float, Image
 from shading_model.errors import RelightlabError, unknown_name
 from shading_model.illumination import Illumination
-from shading_model.object_model import ObjectModel
+from shading_model.object_model import ObjectModel, Weights
 
 
 def photograph_cell(
@@ -63,6 +63,38 @@ def photograph_cell(
         cross=columns.T @ wanted / count,
         power=float(wanted @ wanted / count),
     )
+
+
+def relit_as_photographed(
+    model: ObjectModel, light: Illumination, weights: Weights, *, match_exposure: bool = True
+) -> Image:
+    """Return the picture whose error against a photograph `photograph_cell` measures, up to k.
+
+    Parameters
+    ----------
+    model : ObjectModel
+    light : Illumination
+    weights : Weights
+    match_exposure : bool
+        As for `photograph_cell`.
+
+    Returns
+    -------
+    (h, w, 3) array
+        Linear, not clipped, NaN outside the mask.
+
+    Raises
+    ------
+    RelightlabError
+        If the light leaves the shape dark.
+    """
+    coarse = light.shade(model.normals, model.height)
+    coarse = coarse if coarse.ndim == 3 else coarse[..., None]
+    factor = _exposure(model, coarse[model.mask]) if match_exposure else 1.0
+    detail = (
+        weights.parametric * model.parametric_residual + weights.geometric * model.geometric_detail
+    )
+    return model.albedo * (factor * coarse + detail[..., None])
 
 
 def _exposure(model: ObjectModel, coarse: Float) -> float:

@@ -16,10 +16,10 @@ from datasets.rgbd_mitten import RgbdMitten
 from evaluation.base_shape_grid import (
     NAME,
     VERSION,
-    BaseShapeContext,
     available_shapes,
     base_shape_experiment,
 )
+from evaluation.base_shape_models import BaseShapeContext
 from evaluation.base_shape_table import BaseShapeTable, base_shape_table
 from evaluation.base_shapes import FITTED_SHAPES
 from evaluation.experiment import Experiment
