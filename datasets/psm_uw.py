@@ -65,6 +65,11 @@ class PsmUw:
         The mean has no strong directional light. The normals are those of photometric stereo,
         NaN where fewer than three lights reach; the heights are integrated from them, each part of
         the mask about its own mean, so a step between parts or inside one is not measured.
+
+        Raises
+        ------
+        RelightlabError
+            If the name or setting is unknown, or as the class says.
         """
         if setting not in self.settings:
             raise unknown_name("setting", setting, self.settings)
@@ -91,6 +96,11 @@ class PsmUw:
 
         Its albedo takes in whatever is not Lambertian: highlights left over, light from one part
         of the object on another.
+
+        Raises
+        ------
+        RelightlabError
+            If the name or setting is unknown, or as the class says.
         """
         known = (*self.objects, *PROBES)
         if name not in known:

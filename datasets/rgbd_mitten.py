@@ -70,6 +70,11 @@ class RgbdMitten:
         Saturated samples are averaged with the others: leaving them out would average each pixel
         over other lights, and leaving out their pixels would riddle the mask, as a third of them
         is saturated in one picture or more. `saturated` tells where.
+
+        Raises
+        ------
+        RelightlabError
+            If the name or setting is unknown, or as the class says.
         """
         self._check(name)
         if setting not in self.settings:

@@ -123,6 +123,7 @@ class StudyBuild:
                 images.photographs,
                 context.parameters,
                 context.fits,
+                self.variant.sensor,
             )
         )
         height = self.variant.height

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from datasets.records import Capture, Dataset
-from datasets.time_of_flight import simulate_time_of_flight
+from datasets.time_of_flight import KINECT_II, TimeOfFlightSensor, simulate_time_of_flight
 from evaluation.sirfs.fit import FitOptions
 from evaluation.sirfs_fits import UNKEPT, SirfsFits
 from shading_model.arrays import Float, Image, Map, Mask, Normals
@@ -55,6 +55,8 @@ class ShapeRequest:
     parameters : ModelParameters
     fits : SirfsFits
         Where fits of SIRFS are kept.
+    sensor : TimeOfFlightSensor
+        What is simulated where the dataset has no depth sensor of its own.
     """
 
     dataset: Dataset
@@ -63,6 +65,7 @@ class ShapeRequest:
     photographs: tuple[Image, ...]
     parameters: ModelParameters
     fits: SirfsFits = UNKEPT
+    sensor: TimeOfFlightSensor = KINECT_II
 
     @property
     def mask(self) -> Mask:
@@ -140,7 +143,9 @@ def kinect(request: ShapeRequest) -> CoarseShape:
         return request.dataset.sensor_shape(name)
     true = ground_truth(request)
     generator = generator_for("time of flight", request.dataset.name, name)
-    reading = simulate_time_of_flight(true.height, request.mask, _albedo(request), generator)
+    reading = simulate_time_of_flight(
+        true.height, request.mask, _albedo(request), generator, request.sensor
+    )
     return shape_from_depth(reading, request.mask)
 
 

@@ -15,6 +15,8 @@ from shading_model.arrays import Float
 
 DRAWS = 10_000
 LEVEL = 0.95
+FEWEST_DRAWN = 2
+"""Fewer objects, drawn with replacement, do not differ."""
 FEWEST_OBJECTS, FEWEST_METHODS = 3, 3
 """Friedman's test says nothing about less."""
 
@@ -59,7 +61,7 @@ def paired_means(
     Returns
     -------
     PairedMeans
-        NaN where no object is whole.
+        NaN where no object is whole; intervals of fewer than two objects are NaN.
 
     Examples
     --------
@@ -69,13 +71,15 @@ def paired_means(
     """
     whole = values[np.isfinite(values).all(axis=1)]
     count = len(whole)
-    if not count:
-        return PairedMeans(*(np.full(values.shape[1], np.nan) for _ in range(6)))
+    unknown = np.full(values.shape[1], np.nan)
+    mean = whole.mean(axis=0) if count else unknown
+    difference = mean - mean[reference]
+    if count < FEWEST_DRAWN:
+        return PairedMeans(mean, unknown, unknown, difference, unknown, unknown)
     shares = generator.multinomial(count, np.full(count, 1 / count), size=draws) / count
     means = shares @ whole
-    differences = means - means[:, [reference]]
-    mean = whole.mean(axis=0)
-    return PairedMeans(mean, *_interval(means), mean - mean[reference], *_interval(differences))
+    low, high = _interval(means)
+    return PairedMeans(mean, low, high, difference, *_interval(means - means[:, [reference]]))
 
 
 def friedman_test(values: Float) -> dict[str, float] | None:

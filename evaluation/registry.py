@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from datasets.records import Dataset
+from evaluation.base_shape_grid import NAME as BASE_SHAPES
+from evaluation.base_shape_grid import base_shape_experiment
+from evaluation.base_shape_models import BaseShapeContext
 from evaluation.experiment import Experiment
 from evaluation.methods import MethodContext, method_experiment
 from evaluation.part_registries import find_part
@@ -107,10 +110,40 @@ def sirfs_on(
     return sirfs_experiment(SirfsContext(dataset, fits), channels=[channels], seed=seed)
 
 
+def base_shapes_on(
+    dataset: Dataset,
+    lights: Sequence[LogHarmonics],  # noqa: ARG001
+    parameters: ModelParameters,
+    *,
+    channels: str = "gray",
+    seed: str = "",
+    fits: SirfsFits = UNKEPT,
+) -> Experiment:
+    """Return the study of base shapes; `lights` play no part: the photographs have their own.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With photographs under known lights.
+    lights : sequence of LogHarmonics
+    parameters : ModelParameters
+    channels : {"gray", "color"}
+    seed : str
+    fits : SirfsFits
+        Where fits of SIRFS are kept.
+
+    Returns
+    -------
+    Experiment
+    """
+    return base_shape_experiment(BaseShapeContext(dataset, parameters, channels, fits), seed=seed)
+
+
 PAPER_MODEL = "paper-model"
 EXPERIMENTS: dict[str, Callable[..., Experiment]] = {
     NAME: table1_on,
     f"{NAME} method {PAPER_MODEL}": paper_model_on,
     SIRFS: sirfs_on,
+    BASE_SHAPES: base_shapes_on,
 }
 """Called with a dataset, its lights and parameters; the contract tests run on each."""

@@ -108,7 +108,7 @@ def regressed_by_own_lights(
     Parameters
     ----------
     oracle : (objects, lights, 2) array
-        Oracle weights; NaN where a cell is missing, which then teaches nothing.
+        Oracle weights; NaN where a cell is missing, which then teaches and learns nothing.
     coefficients : (objects, lights, 9) array
     neighbours : int
         As many points of other objects as are nearest; all of them where there are fewer.
@@ -116,7 +116,14 @@ def regressed_by_own_lights(
     Returns
     -------
     (objects, lights, 2) array
-        NaN if no other object has a known cell.
+        NaN where a cell is missing, or no other object has a known one.
+
+    Examples
+    --------
+    >>> lights = np.arange(18.0).reshape(2, 1, 9)
+    >>> oracle = np.array([[[0.2, 0.4]], [[1.0, 0.5]]])
+    >>> regressed_by_own_lights(oracle, lights).tolist()
+    [[[1.0, 0.5]], [[0.2, 0.4]]]
     """
     predicted = np.full(oracle.shape, np.nan)
     known: Mask = np.isfinite(np.concatenate([oracle, coefficients], axis=-1)).all(axis=-1)
@@ -124,7 +131,7 @@ def regressed_by_own_lights(
         taught = known.copy()
         taught[index] = False
         points, weights = coefficients[taught], oracle[taught]
-        for light in range(oracle.shape[1] if len(points) else 0):
+        for light in np.flatnonzero(known[index]) if len(points) else ():
             offset = points - coefficients[index, light]
             distance = np.linalg.norm(offset, axis=-1)
             last = np.sort(distance)[min(neighbours, len(points)) - 1]

@@ -134,23 +134,24 @@ def test_an_outline_that_is_not_known_is_the_mask(changes: dict[str, Any]) -> No
 def test_every_input_is_in_the_key() -> None:
     """Another pixel, mask, outline, option or prior is another key; the same inputs are not."""
     mask, options = disk(40), FitOptions()
-    photograph = Photograph(painted(mask), mask, "disk", "made")
-    brighter = photograph.image.copy()
+    image = painted(mask)
+    brighter = image.copy()
     brighter[20, 20, 1] += 1e-9
     keys = [
-        fit_key(photograph, mask, options, "a"),
-        fit_key(dataclasses.replace(photograph, image=brighter), mask, options, "a"),
-        fit_key(dataclasses.replace(photograph, mask=disk(40, 9)), mask, options, "a"),
-        fit_key(photograph, disk(40, 9), options, "a"),
-        fit_key(photograph, mask, FitOptions(light="natural"), "a"),
-        fit_key(photograph, mask, FitOptions(channels="gray"), "a"),
-        fit_key(photograph, mask, FitOptions(without=("slant",)), "a"),
-        fit_key(photograph, mask, FitOptions(evaluations=(9, 9)), "a"),
-        fit_key(photograph, mask, options, "b"),
+        fit_key([image], mask, mask, options, "a"),
+        fit_key([brighter], mask, mask, options, "a"),
+        fit_key([image, brighter], mask, mask, options, "a"),
+        fit_key([brighter, image], mask, mask, options, "a"),
+        fit_key([image], disk(40, 9), mask, options, "a"),
+        fit_key([image], mask, disk(40, 9), options, "a"),
+        fit_key([image], mask, mask, FitOptions(light="natural"), "a"),
+        fit_key([image], mask, mask, FitOptions(channels="gray"), "a"),
+        fit_key([image], mask, mask, FitOptions(without=("slant",)), "a"),
+        fit_key([image], mask, mask, FitOptions(evaluations=(9, 9)), "a"),
+        fit_key([image], mask, mask, options, "b"),
     ]
     assert len(set(keys)) == len(keys)
-    renamed = dataclasses.replace(photograph, name="another", source="elsewhere")
-    assert fit_key(renamed, mask, FitOptions(), "a") == keys[0]
+    assert fit_key([image.copy()], mask.copy(), mask, FitOptions(), "a") == keys[0]
 
 
 def test_a_fit_that_fails_leaves_nothing(

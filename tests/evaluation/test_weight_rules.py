@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evaluation.weight_rules import MANUAL, WEIGHT_RULES, CellGrid, regressed
+from evaluation.weight_rules import (
+    MANUAL,
+    WEIGHT_RULES,
+    CellGrid,
+    regressed,
+    regressed_by_own_lights,
+)
 from shading_model.arrays import Float
 from shading_model.object_model import Weights
 from tests.evaluation.cells import cell_of_best
@@ -154,3 +160,27 @@ def test_weights_alike_everywhere_are_kept(objects: int) -> None:
     """A constant needs no light to be learned."""
     grid = grid_of(np.full((objects, 4, 2), 0.3), np.random.default_rng(5).normal(size=(4, 9)))
     assert np.allclose(regressed(grid), 0.3, atol=1e-6)
+
+
+def test_own_lights_that_are_shared_are_regressed_as_shared_ones() -> None:
+    """Where all objects have the same lights, the prediction is that of `regressed`.
+
+    Asked for as many neighbours as there are points of others at whole lights.
+    """
+    generator = np.random.default_rng(3)
+    lights = generator.normal(size=(7, 9))
+    grid = grid_of(generator.normal(size=(4, 7, 2)), lights)
+    own = np.broadcast_to(lights, (4, 7, 9))
+    for neighbours in (3, 9, 21):
+        one = regressed(grid, neighbours)
+        assert np.allclose(regressed_by_own_lights(grid.oracle, own, neighbours), one)
+
+
+def test_a_missing_cell_teaches_nothing() -> None:
+    """A NaN weight has a NaN prediction and leaves the others what they would be without it."""
+    generator = np.random.default_rng(4)
+    lights, oracle = generator.normal(size=(3, 5, 9)), generator.normal(size=(3, 5, 2))
+    oracle[0, 2] = np.nan
+    found = regressed_by_own_lights(oracle, lights)
+    assert np.isnan(found[0, 2]).all()
+    assert np.isfinite(np.delete(found.reshape(-1, 2), 2, axis=0)).all()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 
-from evaluation import sirfs_fits, sirfs_grid, table1_grid
+from evaluation import base_shape_grid, sirfs_fits, sirfs_grid, table1_grid
 from evaluation.sirfs.fit import FitOptions
 from evaluation.sirfs.result import SirfsFit
 from shading_model.arrays import Float, Image, Mask
@@ -48,6 +48,10 @@ def diverging_fit(*_: Any, **__: Any) -> SirfsFit:
 
 def pretend(patch: pytest.MonkeyPatch, fit: Fit = flat_fit, priors: str = "no priors") -> None:
     """Let everything that uses SIRFS in this process use a fake instead."""
-    patch.setattr(sirfs_fits, "fit_sirfs", fit)
-    for module in (sirfs_fits, sirfs_grid, table1_grid):
+
+    def fits(images: Sequence[Image], *given: Any, **named: Any) -> tuple[SirfsFit, ...]:
+        return tuple(fit(image, *given, **named) for image in images)
+
+    patch.setattr(sirfs_fits, "fit_sirfs_stereo", fits)
+    for module in (sirfs_fits, sirfs_grid, table1_grid, base_shape_grid):
         patch.setattr(module, "priors_in_use", lambda: (1.5, priors))
