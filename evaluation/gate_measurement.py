@@ -2,7 +2,8 @@
 
 The synthetic set is made on the spot, all objects in both settings at a small size; of MIT-Berkeley
 a few objects are taken, with the learned thresholds of the whole set. Both are relit under the
-first lights of Table 1, by every detail source and weight rule; SIRFS is fitted to fewer objects.
+first lights of Table 1, by every detail source and weight rule; models on the base shapes of Table
+2 are compared with the sets' photographs; SIRFS is fitted to fewer objects.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from datasets.records import Dataset
 from datasets.synthetic import DEFAULT_SEED, synthesize
 from datasets.synthetic_manifest import parameters_of
 from evaluation.code_version import NUMERIC_PACKAGES
+from evaluation.gate_base_shapes import measure_shapes
 from evaluation.gate_sirfs import measure_fits
 from evaluation.grid_run import Progress, RunOptions
 from evaluation.object_sets import ChosenObjects
@@ -49,7 +51,7 @@ INTRINSIC = ("lmse", "point_light_residual", "harmonic_residual")
 
 Errors = dict[str, tuple[float | None, ...]]
 """Errors by ``setting object source rule`` or ``setting object residual``, or as in
-`evaluation.gate_sirfs`; None: not measured."""
+`evaluation.gate_base_shapes` and `evaluation.gate_sirfs`; None: not measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +154,7 @@ def mit_gate_set(root: Path) -> GateSet:
 def measure_gate(
     subject: GateSet, workers: int = 1, progress: Progress | None = None
 ) -> GateMeasurement:
-    """Measure every variant of Table 1 on a gate's set, and SIRFS on some of its objects.
+    """Measure Table 1 on a gate's set, base shapes of Table 2, and SIRFS on some of its objects.
 
     Parameters
     ----------
@@ -170,6 +172,9 @@ def measure_gate(
         dataset, subject.lights, parameters, quick=True, options=options, progress=progress
     )
     errors, reasons = dict(_errors(table)), [missing.reason for missing in table.missing]
+    shapes, why = measure_shapes(dataset, options, progress)
+    errors.update((key, tuple(map(rounded, row))) for key, row in shapes.items())
+    reasons += why
     if subject.fitted:
         chosen = ChosenObjects(dataset, subject.fitted)
         found = measure_fits(chosen, subject.lights, options, progress)

@@ -11,6 +11,7 @@ import pytest
 
 from datasets.synthetic import Synthetic
 from evaluation import gate_measurement
+from evaluation.gate_base_shapes import shape_variants
 from evaluation.gate_baseline import (
     FOLDER,
     Baseline,
@@ -135,8 +136,13 @@ def test_every_variant_is_measured(measured: GateMeasurement) -> None:
         for name in ("bear", "cup", "medal")
         for rest in words
     }
-    assert set(measured.errors) == keys
-    assert measured.size == 6 * (11 * 2 + 3)
+    shapes = {
+        f"laboratory {name} {rest}"
+        for name in ("bear", "cup", "medal")
+        for rest in shape_variants()
+    }
+    assert set(measured.errors) == keys | shapes
+    assert measured.size == 6 * (11 * 2 + 3) + 3 * 8 * 10
     assert all(value is not None for row in measured.errors.values() for value in row)
 
 
@@ -306,7 +312,7 @@ def test_the_projects_records_are_whole(dataset: str) -> None:
     assert found.measured.dataset == dataset
     rows = {key.split(" ", 2)[2] for key in found.measured.errors}
     own = {f"{s} {r}" for s, r in variants()} | set(gate_measurement.INTRINSIC)
-    assert rows == own | set(fitted_variants())
+    assert rows == own | set(shape_variants()) | set(fitted_variants())
     fitted = {key.split()[1] for key in found.measured.errors if key.endswith("final_loss")}
     assert fitted == set(gate_measurement.FITTED[dataset])
 
