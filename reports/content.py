@@ -125,6 +125,8 @@ class Table:
     groups : tuple of Group
     rows : Rows, optional
         What it was made from; None for a table that is itself about the run.
+    layout : str
+        Tables of one layout look alike; by default the identifier, a layout of its own.
     """
 
     identifier: str
@@ -132,8 +134,10 @@ class Table:
     head: tuple[tuple[Cell, ...], ...]
     groups: tuple[Group, ...]
     rows: Rows | None = None
+    layout: str = ""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "layout", self.layout or self.identifier)
         wrong = [row for group in self.groups for row in group.rows if _width(row) != self.width]
         if wrong:
             raise RelightlabError(

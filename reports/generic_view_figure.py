@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import cycle
 
 import numpy as np
@@ -45,7 +45,9 @@ BAND_OPACITY = 0.15
 
 
 def generic_view_figure(
-    rows: Sequence[GenericViewRow], identifier: str = "generic-view"
+    rows: Sequence[GenericViewRow],
+    identifier: str = "generic-view",
+    words: Mapping[str, str] | None = None,
 ) -> PlotFigure:
     """Return both measures over the angle: the median object, and the middle half as a band.
 
@@ -54,6 +56,8 @@ def generic_view_figure(
     rows : sequence of GenericViewRow
     identifier : str
         Unique on the page.
+    words : mapping of str, optional
+        What shapes are called, where it is not their name.
 
     Returns
     -------
@@ -74,13 +78,16 @@ def generic_view_figure(
         generic_view_curves(near, "outline_shift"),
         generic_view_curves(rows, "shadow_share"),
     )
+    called = {curve.shape: (words or {}).get(curve.shape, curve.shape) for curve in shares}
     with plot_style():
         figure = Figure(figsize=(9.6, 3.6), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _draw(left, shifts, "outline moves by, percent of the diameter", "view turned by, degrees")
-        _draw(right, shares, "in its own shadow, percent of the area", "light inclined by, degrees")
-        left.set_title("outline")
-        right.set_title("cast shadows")
+        _draw(left, shifts, called)
+        _draw(right, shares, called)
+        left.set(title="outline", xlabel="view turned by, degrees")
+        left.set_ylabel("outline moves by, percent of the diameter")
+        right.set(title="cast shadows", xlabel="light inclined by, degrees")
+        right.set_ylabel("in its own shadow, percent of the area")
         if shares[0].angles[-1] > LARGEST_TURN:
             right.axvline(LARGEST_TURN, color=RULE, linewidth=1.6)
         figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=6)
@@ -90,11 +97,16 @@ def generic_view_figure(
         "The generic-view check",
         _caption(shifts),
         svg,
-        " ".join((*map(_shift_words, shifts), *map(_share_words, shares))),
+        " ".join(
+            (
+                *(_shift_words(curve, called[curve.shape]) for curve in shifts),
+                *(_share_words(curve, called[curve.shape]) for curve in shares),
+            )
+        ),
     )
 
 
-def _draw(axis: Axes, curves: Sequence[GenericViewCurve], ordinate: str, abscissa: str) -> None:
+def _draw(axis: Axes, curves: Sequence[GenericViewCurve], called: Mapping[str, str]) -> None:
     others = cycle(OTHER_LINES)
     for curve in curves:
         marker, colour = SHAPE_LINES.get(curve.shape) or next(others)
@@ -111,11 +123,9 @@ def _draw(axis: Axes, curves: Sequence[GenericViewCurve], ordinate: str, absciss
             100 * curve.median,
             marker=marker,
             color=colour,
-            label=curve.shape,
+            label=called[curve.shape],
             clip_on=False,
         )
-    axis.set_xlabel(abscissa)
-    axis.set_ylabel(ordinate)
     axis.set_xlim(0, float(np.max([curve.angles[-1] for curve in curves])) or None)
     axis.set_ylim(bottom=0)
 
@@ -133,20 +143,20 @@ def _caption(curves: Sequence[GenericViewCurve]) -> str:
     )
 
 
-def _shift_words(curve: GenericViewCurve) -> str:
+def _shift_words(curve: GenericViewCurve, name: str) -> str:
     return (
-        f"Turned by {curve.angles[-1]:g} degrees, {curve.shape} moves its outline by"
+        f"Turned by {curve.angles[-1]:g} degrees, {name} moves its outline by"
         f" {_spread_words(curve, -1)} percent of the diameter."
     )
 
 
-def _share_words(curve: GenericViewCurve) -> str:
+def _share_words(curve: GenericViewCurve, name: str) -> str:
     largest_turn = int(np.searchsorted(curve.angles, LARGEST_TURN, side="right")) - 1
     each = [
         f"{_spread_words(curve, place)} percent of itself at {curve.angles[place]:g} degrees"
         for place in sorted({largest_turn, len(curve.angles) - 1})
     ]
-    return f"Under an inclined light, {curve.shape} casts shadows on {' and '.join(each)}."
+    return f"Under an inclined light, {name} casts shadows on {' and '.join(each)}."
 
 
 def _spread_words(curve: GenericViewCurve, place: int) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 from shading_model.errors import unknown_name
 
+TABLE1_FILE = "table1.json"
 SHOWN_DIGITS = 12
 """Of a hash, where it is printed beside a table; the provenance has it whole."""
 
@@ -25,11 +26,14 @@ class Rows:
     count : int
     digest : str
         SHA-256 of `rows_behind`.
+    file : str
+        Name of the results file that holds the document.
     """
 
     parts: tuple[str, ...]
     count: int
     digest: str
+    file: str = TABLE1_FILE
 
     @property
     def sentence(self) -> str:
@@ -37,7 +41,7 @@ class Rows:
         return f"From {self.count} rows with SHA-256 `{self.digest[:SHOWN_DIGITS]}`."
 
 
-def rows_behind(document: Mapping[str, Any], *parts: str) -> Rows:
+def rows_behind(document: Mapping[str, Any], *parts: str, file: str = TABLE1_FILE) -> Rows:
     """Return parts of a results document with a hash over them.
 
     The hash is the SHA-256 of the JSON text of the list of parts, keys sorted, no spaces, so that
@@ -48,6 +52,8 @@ def rows_behind(document: Mapping[str, Any], *parts: str) -> Rows:
     document : mapping
     parts : str
         Keys of lists of rows.
+    file : str
+        Name of the results file that holds the document.
 
     Returns
     -------
@@ -68,4 +74,4 @@ def rows_behind(document: Mapping[str, Any], *parts: str) -> Rows:
             raise unknown_name("part of the results", part, document)
     chosen = [document[part] for part in parts]
     text = json.dumps(chosen, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return Rows(parts, sum(map(len, chosen)), hashlib.sha256(text.encode()).hexdigest())
+    return Rows(parts, sum(map(len, chosen)), hashlib.sha256(text.encode()).hexdigest(), file)

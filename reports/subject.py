@@ -12,6 +12,7 @@ import numpy as np
 from datasets.records import Capture, Dataset
 from evaluation.retinex_thresholds import thresholds_for
 from evaluation.sirfs.result import SirfsFit
+from reports.base_shape_run import BaseShapeStudy
 from shading_model.errors import RelightlabError
 from shading_model.illumination import LogHarmonics
 from shading_model.object_model import (
@@ -63,6 +64,8 @@ class Subject:
         As the result was measured with.
     fits : Fits, optional
         Those of the result, to be shown; without them no fit is.
+    studies : tuple of BaseShapeStudy
+        Studies of base shapes to stand in the same report, on this dataset or others.
     """
 
     document: dict[str, Any]
@@ -70,6 +73,7 @@ class Subject:
     lights: tuple[LogHarmonics, ...]
     parameters: ModelParameters
     fits: Fits | None = None
+    studies: tuple[BaseShapeStudy, ...] = ()
     _built: dict[tuple[str, str], BuiltObject] = field(default_factory=dict, repr=False)
 
     @property

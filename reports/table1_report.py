@@ -10,6 +10,8 @@ from typing import Any
 
 import evaluation.table1
 from datasets.records import Dataset
+from reports.base_shape_run import BaseShapeStudy
+from reports.base_shape_section import base_shape_sections
 from reports.content import (
     Definitions,
     Folded,
@@ -62,6 +64,7 @@ def write_report(
     lights: Sequence[LogHarmonics],
     parameters: ModelParameters,
     fits: Fits | None = None,
+    studies: Sequence[BaseShapeStudy] = (),
 ) -> tuple[Path, Path]:
     """Write the report of a measured Table 1 as one HTML page and as a PDF.
 
@@ -82,6 +85,8 @@ def write_report(
         As the result was measured with.
     fits : Fits, optional
         Where the fits of SIRFS are kept, one of which is shown.
+    studies : sequence of BaseShapeStudy
+        Of Table 2, each on a dataset of its own, which need not be that of Table 1.
 
     Returns
     -------
@@ -94,7 +99,8 @@ def write_report(
         If the document is of another dataset or other lights, reports no object, or a file
         cannot be written.
     """
-    report = table1_report(Subject(document, dataset, tuple(lights), parameters, fits))
+    subject = Subject(document, dataset, tuple(lights), parameters, fits, tuple(studies))
+    report = table1_report(subject)
     page, printed = folder / PAGE, folder / PRINTED
     write_html(page, report)
     write_pdf(printed, report)
@@ -125,6 +131,7 @@ def table1_report(subject: Subject) -> Report:
         _model_section(),
         *_figure_sections(subject),
         *([rival] if (rival := sirfs_section(subject)) else []),
+        *(section for study in subject.studies for section in base_shape_sections(study)),
     )
     stamps = tuple(_stamps(subject))
     report = Report(

@@ -29,11 +29,11 @@ def table_section(subject: Subject) -> Section:
     verdict = table1_verdict(document)
     notes = (COMPARABLE, *([RIVAL_NOTE] if has_rival(document) else []))
     compared = tuple(Prose(text) for text in notes)
-    effect = (Prose(DETAIL_EFFECT), Judgements(_judged(detail_effect(document))))
+    effect = (Prose(DETAIL_EFFECT), Judgements(judged(detail_effect(document))))
     held_out = held_out_table(document, subject.settings)
     blocks: tuple[Block, ...] = (
         Prose(f"{{Verdict.}} {verdict.sentence}", "verdict"),
-        Judgements(_judged(verdict.findings)),
+        Judgements(judged(verdict.findings)),
         entry_table(document, subject.settings),
         *([Folded("Over the test objects alone", (held_out,))] if held_out else []),
         Remarks(
@@ -62,7 +62,17 @@ def difference_section(document: dict[str, Any]) -> Section:
     return Section("order", "Where the order differs, and why", (block,))
 
 
-def _judged(findings: Iterable[Finding]) -> tuple[Judgement, ...]:
+def judged(findings: Iterable[Finding]) -> tuple[Judgement, ...]:
+    """Return findings as statements with the word for whether each holds.
+
+    Parameters
+    ----------
+    findings : iterable of Finding
+
+    Returns
+    -------
+    tuple of Judgement
+    """
     return tuple(
         Judgement(f.state, f.statement, f"{f.held} of {f.compared}", f.evidence) for f in findings
     )

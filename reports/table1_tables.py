@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from reports.content import Cell, Group, Table
-from reports.rows_behind import Rows, rows_behind
+from reports.rows_behind import TABLE1_FILE, Rows, rows_behind
 from reports.table1_entries import (
     LEFT_OUT,
     NO_RULE,
@@ -229,17 +229,23 @@ def rows_table(tied: Iterable[tuple[str, Rows]]) -> Table:
     rows = tuple(
         (
             Cell(identifier, role="head"),
-            Cell(", ".join(behind.parts)),
+            Cell(_parts_words(behind)),
             Cell(str(behind.count)),
             Cell(behind.digest, role="code"),
         )
         for identifier, behind in tied
     )
     caption = (
-        "The rows behind each table and figure, as parts of `results/table1.json`. The hash is over"
-        " the JSON text of the list of these parts, keys sorted, no spaces."
+        f"The rows behind each table and figure, as parts of `results/{TABLE1_FILE}` or of the file"
+        " named with them. The hash is over the JSON text of the list of these parts, keys sorted,"
+        " no spaces."
     )
     return Table("rows-behind", caption, (head,), (Group("", rows),))
+
+
+def _parts_words(behind: Rows) -> str:
+    words = ", ".join(behind.parts)
+    return words if behind.file == TABLE1_FILE else f"{behind.file}: {words}"
 
 
 def missing_words(document: dict[str, Any]) -> tuple[str, ...]:
