@@ -1,0 +1,11 @@
+"""The whole group ``relightlab study``: importing a module below adds its commands to the app."""
+
+from __future__ import annotations
+
+from reports.commands import study_design
+from reports.commands.study import app
+
+MODULES = (study_design,)
+"""The modules whose commands the app has, in the order of ``--help``."""
+
+__all__ = ["MODULES", "app"]
