@@ -112,7 +112,7 @@ def checked_table(name: str, table: pd.DataFrame, columns: Sequence[Column]) -> 
 
 
 def checked_column(table: str, values: pd.Series, column: Column) -> pd.Series:
-    """Return the values of one column in its type.
+    """Return the values of one column in its type; an empty text is a missing one.
 
     Parameters
     ----------
@@ -138,6 +138,8 @@ def checked_column(table: str, values: pd.Series, column: Column) -> pd.Series:
     """
     objects = values.to_numpy(dtype=object)
     absent = values.isna().to_numpy(dtype=bool)
+    if column.dtype == "str":
+        absent = absent | np.array([isinstance(v, str) and not v for v in objects], dtype=bool)
     if not column.missing and absent.any():
         raise RelightlabError(
             f"the column {column.name!r} of the {table} holds nothing in row"
@@ -169,7 +171,7 @@ def _fits(values: Objects, column: Column) -> Mask:
     if column.kind == "flag":
         return _are(values, bool, np.bool_) | (_are(values, *NUMBERS) & np.isin(values, (0, 1)))
     if column.dtype == "str":
-        fits = _are(values, str, int, np.integer) & ~_are(values, bool)
+        fits = np.array([_is_text(value) for value in values], dtype=bool)
         return fits & _are_moments(values) if column.kind == "time" else fits
     fits = _are(values, *NUMBERS) & ~_are(values, bool)
     # A comparison is safe for whole numbers too large for any float, and false for NaN.
@@ -182,6 +184,13 @@ def _fits(values: Objects, column: Column) -> Mask:
 
 def _are(values: Objects, *types: type) -> Mask:
     return np.array([isinstance(value, types) for value in values], dtype=bool)
+
+
+def _is_text(value: object) -> bool:
+    if not isinstance(value, str):
+        return isinstance(value, int | np.integer) and not isinstance(value, bool)
+    # NUL and half a pair of surrogates can be stored neither in UTF-8 nor in every database.
+    return "\0" not in value and not any("\ud800" <= letter <= "\udfff" for letter in value)
 
 
 def _are_moments(values: Objects) -> Mask:
