@@ -186,3 +186,23 @@ def long_answers(table: pd.DataFrame, questions: Sequence[str]) -> pd.DataFrame:
     """
     long = table.melt("subject", list(questions), var_name="question", value_name="answer")
     return long[long["answer"].notna()].reset_index(drop=True)
+
+
+def imported_subjects(each: pd.DataFrame, name: str) -> pd.DataFrame:
+    """Return the subjects of a foreign set: of mode ``imported`` and complete unless said else.
+
+    Parameters
+    ----------
+    each : DataFrame
+        One row for each subject, with a column ``subject`` and any other of a subject's columns.
+    name : str
+        Of the set; its task's too.
+
+    Examples
+    --------
+    >>> imported_subjects(pd.DataFrame({"subject": ["a"], "age": [31.0]}), "lab")["mode"].item()
+    'imported'
+    """
+    fixed = {"study_hash": foreign_hash(name), "task": name, "mode": "imported"}
+    rows = pd.DataFrame({"order": 0, "status": "complete", **fixed}, index=each.index)
+    return each.combine_first(rows)

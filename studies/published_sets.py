@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.foreign_rows import (
-    foreign_hash,
+    imported_subjects,
     long_answers,
     one_row_each,
     open_foreign,
@@ -78,7 +78,7 @@ def read_dynavect(path: Path) -> StudyData:
     told = pd.DataFrame({"subject": subject, "work_time_s": file.optional("work_time_s")})
     each = one_row_each(told, path)
     return StudyData(
-        _subjects(each["subject"], DYNAVECT), trials, long_answers(each, ["work_time_s"])
+        imported_subjects(each[["subject"]], DYNAVECT), trials, long_answers(each, ["work_time_s"])
     )
 
 
@@ -143,21 +143,6 @@ def read_gengap(path: Path) -> StudyData:
             "chose_target": each["check"],
         }
     )
-    subjects = _subjects(each["subject"], GENGAP).assign(
-        gender=each["gender"], age=each["age"], status=each["status"]
-    )
+    subjects = imported_subjects(each[["subject", "gender", "age", "status"]], GENGAP)
     questions = ["age_band", "conf_real", "conf_fake"]
     return StudyData(subjects, pd.concat([trials, checks]), long_answers(each, questions))
-
-
-def _subjects(names: pd.Series[str], task: str) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "subject": names,
-            "study_hash": foreign_hash(task),
-            "task": task,
-            "order": 0,
-            "mode": "imported",
-            "status": "complete",
-        }
-    )
