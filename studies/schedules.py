@@ -173,7 +173,7 @@ def cells_of(task: Task) -> list[Cell]:
 def _task_schedules(study: Study, task: Task, generator: np.random.Generator) -> list[Schedule]:
     shown = study.settings.pairs_per_subject or len(task.pairs)
     rows = latin_square(len(task.pairs), generator)[:, :shown]
-    schedules = []
+    schedules: list[Schedule] = []
     for row in rows:
         trials = _mixed(study, [task.pairs[index] for index in row], generator)
         sides = balanced_sides([KINDS.index(kind) for kind, _ in trials], generator)

@@ -35,7 +35,7 @@ def balanced_sides(kinds: Sequence[int], generator: np.random.Generator) -> npt.
     Examples
     --------
     >>> sides = balanced_sides([0] * 10, np.random.default_rng(0))
-    >>> int(sides.sum()), "".join("RL"[side] for side in sides)
+    >>> int(sides.sum()), "".join("RL"[int(side)] for side in sides)
     (5, 'LLRLRRLLRR')
     """
     count = len(kinds)
