@@ -40,9 +40,9 @@ from reports.study_tables import (
     full_rates,
     marked,
     model_table,
+    planned_table,
     rates_tables,
     table3,
-    planned_table,
 )
 from reports.study_words import NOTHING, Row, condition_words, interval, number_or_nan, percent
 from reports.table1_tables import rows_table
