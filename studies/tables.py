@@ -21,6 +21,8 @@ MODES = ("live", "pilot", "simulated", "imported")
 STATUSES = ("started", "complete", "returned")
 KINDS = ("qualification", "main", "closing")
 SIDES = ("left", "right")
+CLOSING_TESTS = ("spheres", "perspective")
+"""The closing pairs, each with a column ``passed_...`` of the subjects."""
 RESPONSES = (*SIDES, "tie")
 MARKS = ("simulated", "pilot")
 """Modes that every table, figure and file of such answers must show."""
@@ -224,6 +226,36 @@ def score(response: pd.Series, target_side: pd.Series) -> pd.Series:
     values[(response.isna() | target_side.isna()).to_numpy()] = np.nan
     values[(response == "tie").to_numpy(dtype=bool, na_value=False)] = 0.5
     return pd.Series(values, index=response.index)
+
+
+def closing_results(trials: pd.DataFrame) -> pd.DataFrame:
+    """Return which closing tests each subject passed, NA where not taken.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        With ``subject``, ``kind``, ``pair`` and ``chose_target``.
+
+    Returns
+    -------
+    DataFrame
+        ``subject``, ``passed_spheres`` and ``passed_perspective``: those who took any.
+
+    Examples
+    --------
+    >>> trials = pd.DataFrame({"subject": ["a", "b"], "kind": ["closing", "main"],
+    ...                        "pair": "spheres", "chose_target": 1.0})
+    >>> closing_results(trials)
+      subject  passed_spheres passed_perspective
+    0       a            True               <NA>
+    """
+    closing = trials[(trials["kind"] == "closing") & trials["pair"].isin(CLOSING_TESTS)]
+    result = pd.DataFrame({"subject": closing["subject"].unique()})
+    for test in CLOSING_TESTS:
+        own = closing[closing["pair"] == test].drop_duplicates("subject").set_index("subject")
+        passed = (own["chose_target"] == 1).astype("boolean")
+        result[f"passed_{test}"] = result["subject"].map(passed).astype("boolean")
+    return result
 
 
 def _check_keys(name: str, table: pd.DataFrame) -> None:
