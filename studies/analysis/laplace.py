@@ -102,7 +102,7 @@ def laplace(
     --------
     >>> design = CrossedDesign(np.array([1.0, 0.0, 1.0]), np.ones((3, 1)),
     ...                        (np.array([0, 0, 1]),), (2,))
-    >>> round(laplace(design, np.zeros(1), np.zeros(1)).value / np.log(2), 6)
+    >>> round(float(laplace(design, np.zeros(1), np.zeros(1)).value / np.log(2)), 6)
     3.0
     """
     fixed = design.columns @ beta
@@ -148,7 +148,8 @@ def _best_effects(
 
 def _contribution(design: CrossedDesign, theta: Float, effects: tuple[Float, ...]) -> Float:
     terms = zip(theta, effects, design.codes, strict=True)
-    return np.sum([scale * u[codes] for scale, u, codes in terms], axis=0)
+    total: Float = np.sum([scale * u[codes] for scale, u, codes in terms], axis=0)
+    return total
 
 
 def _downhill(
@@ -207,7 +208,8 @@ def _table(design: CrossedDesign, row: int, column: int, weight: Float) -> Float
     if row == column:
         return np.diag(np.bincount(design.codes[row], weight, minlength=rows))
     cell = design.codes[row] * columns + design.codes[column]
-    return np.bincount(cell, weight, minlength=rows * columns).reshape(rows, columns)
+    counts = np.bincount(cell, weight, minlength=rows * columns)
+    return np.asarray(counts, dtype=float).reshape(rows, columns)
 
 
 def _inverse_blocks(curvature: Curvature) -> tuple[Float, Float, Float]:

@@ -1,0 +1,198 @@
+"""The models that every study is given: the crossed mixed model and, to confirm it, GEE.
+
+For each task, the choice of the target in log-odds: the condition where the task has several, the
+side the target was on (+0.5 left, -0.5 right, so that the intercept is free of it) and learning
+(from -0.5 at the first place to +0.5 at the last). Tasks of one family are compared in one model
+more, with the condition as its term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from shading_model.arrays import Float
+from shading_model.errors import RelightlabError
+from studies.analysis.bradley_terry import bradley_terry
+from studies.analysis.estimating_equations import fit_estimating_equations
+from studies.analysis.mixed_model import MixedFit, fit_mixed_model
+from studies.analysis.model_rows import gee_rows, mixed_rows, strength_rows
+from studies.analysis.rates import Row
+
+INTERCEPT, SIDE, LEARNING = "(Intercept)", "side", "learning"
+
+
+@dataclass(frozen=True, eq=False)
+class FittedModels:
+    """The models of a study.
+
+    Parameters
+    ----------
+    rows : list of dict
+        ``model, term, estimate, se``.
+    mixed : dict of str to MixedFit
+        The mixed models by task, or family where tasks are compared.
+    notes : list of str
+        What could not be fitted, and why.
+    """
+
+    rows: list[Row]
+    mixed: dict[str, MixedFit]
+    notes: list[str]
+
+
+def fit_study_models(trials: pd.DataFrame, families: Mapping[str, str]) -> FittedModels:
+    """Fit the models of every task, and of every family of several tasks.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        Main trials: ``subject, task, position, pair, condition, target_side, chose_target``.
+    families : mapping of str to str
+        The family of each task.
+
+    Returns
+    -------
+    FittedModels
+        Of each set ``mixed``, with side and learning; ``mixed_plain``, without; and ``gee``.
+    """
+    models = FittedModels([], {}, [])
+    for name, own in _sets(trials, families):
+        full, terms = study_columns(own)
+        keep = [place for place, term in enumerate(terms) if term not in (SIDE, LEARNING)]
+        _fit_mixed(models, f"mixed: {name}", name, own, full, terms)
+        if len(keep) < len(terms):
+            plain_terms = tuple(terms[place] for place in keep)
+            _fit_mixed(models, f"mixed_plain: {name}", "", own, full[:, keep], plain_terms)
+        _fit_gee(models, f"gee: {name}", own, full, terms)
+    return models
+
+
+def study_columns(trials: pd.DataFrame) -> tuple[Float, tuple[str, ...]]:
+    """Return the fixed effects of the choices: condition, side and learning.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        ``task, position, condition, target_side``.
+
+    Returns
+    -------
+    columns : (n, p) array
+    terms : tuple of str
+        ``(Intercept)``, ``condition`` and its level for all but the first, ``side``, ``learning``;
+        those that do not vary are left out, and those of which a value is missing.
+
+    Examples
+    --------
+    >>> trials = pd.DataFrame({"task": "real", "position": [1, 2, 3, 1], "condition": list("aabb"),
+    ...                        "target_side": ["left", "right", "left", "left"]})
+    >>> study_columns(trials)[1]
+    ('(Intercept)', 'conditionb', 'side', 'learning')
+    """
+    columns, terms = [np.ones(len(trials))], [INTERCEPT]
+    for level in sorted(trials["condition"].unique())[1:]:
+        columns.append((trials["condition"] == level).to_numpy(dtype=float))
+        terms.append(f"condition{level}")
+    for term, values in ((SIDE, _side(trials)), (LEARNING, _learning(trials))):
+        if np.isfinite(values).all() and np.ptp(values) > 0:
+            columns.append(values)
+            terms.append(term)
+    return np.column_stack(columns), tuple(terms)
+
+
+def strengths_of(trials: pd.DataFrame, others: Mapping[str, str], alpha: float) -> FittedModels:
+    """Fit Bradley and Terry's strengths where several methods meet in several tasks.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        Main trials.
+    others : mapping of str to str
+        For each task, the method that the target is held against; tasks not in it are left out.
+    alpha : float
+
+    Returns
+    -------
+    FittedModels
+        One model, ``bradley_terry``, or a note; nothing where fewer than three methods meet.
+    """
+    models = FittedModels([], {}, [])
+    known = trials[trials["task"].isin(list(others))]
+    second = known["task"].map(dict(others)).astype(str)
+    if len({*known["condition"], *second}) < 3:
+        return models
+    first = known["condition"].astype(str).tolist()
+    try:
+        fit = bradley_terry(
+            known["chose_target"], first, second.tolist(), known["subject"].to_numpy(), alpha
+        )
+    except RelightlabError as error:
+        models.notes.append(f"bradley_terry was not fitted: {error}")
+        return models
+    models.rows.extend(strength_rows("bradley_terry", fit))
+    return models
+
+
+def _sets(trials: pd.DataFrame, families: Mapping[str, str]) -> Iterator[tuple[str, pd.DataFrame]]:
+    for task, own in trials.groupby("task", sort=True):
+        yield str(task), own
+    family = trials["task"].map(lambda task: families.get(task, task))
+    for name, own in trials.groupby(family, sort=True):
+        if own["task"].nunique() > 1:
+            yield f"family {name}", own
+
+
+def _fit_mixed(
+    models: FittedModels,
+    model: str,
+    key: str,
+    trials: pd.DataFrame,
+    columns: Float,
+    terms: tuple[str, ...],
+) -> None:
+    factors = {"subject": trials["subject"].to_numpy(), "item": trials["pair"].to_numpy()}
+    factors = {name: labels for name, labels in factors.items() if len(set(labels)) > 1}
+    try:
+        fit = fit_mixed_model(trials["chose_target"], columns, terms, factors)
+    except RelightlabError as error:
+        models.notes.append(f"{model} was not fitted: {error}")
+        return
+    models.rows.extend(mixed_rows(model, fit))
+    models.notes.extend([] if fit.converged else [f"{model} did not converge: take it with care"])
+    models.notes.extend(
+        f"{model} finds no variance between {name}s beyond chance"
+        for name, deviation in fit.deviations.items()
+        if deviation == 0
+    )
+    if key:
+        models.mixed[key] = fit
+
+
+def _fit_gee(
+    models: FittedModels, model: str, trials: pd.DataFrame, columns: Float, terms: tuple[str, ...]
+) -> None:
+    try:
+        fit = fit_estimating_equations(
+            trials["chose_target"], columns, terms, trials["subject"].to_numpy()
+        )
+    except RelightlabError as error:
+        models.notes.append(f"{model} was not fitted: {error}")
+        return
+    models.rows.extend(gee_rows(model, fit))
+
+
+def _side(trials: pd.DataFrame) -> Float:
+    side = trials["target_side"].map({"left": 0.5, "right": -0.5})
+    return side.to_numpy(dtype=float)
+
+
+def _learning(trials: pd.DataFrame) -> Float:
+    """Places from -0.5 at the first to +0.5 at the last of the task."""
+    position = trials["position"].astype(float)
+    last = position.groupby(trials["task"]).transform("max")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((position - 1) / (last - 1) - 0.5, dtype=float)
