@@ -138,6 +138,21 @@ class Exclusions:
     maximum_same_side: float | None = None
     maximum_blur_events: int | None = None
 
+    def in_words(self) -> tuple[str, ...]:
+        """Return whom each rule leaves out."""
+        rules = (
+            (self.complete_only, "who did not finish"),
+            (self.qualification_all_correct, "who chose a cartoon"),
+            (self.minimum_median_ms, "who answered in less than {:g} ms (median)"),
+            (self.maximum_same_side, "who chose one side in more than {:.0%} of trials"),
+            (self.maximum_blur_events, "who left the window more than {} times"),
+        )
+        return tuple(
+            words.format(value)
+            for value, words in rules
+            if value is not None and value is not False
+        )
+
 
 @dataclass(frozen=True)
 class AnalysisPlan:
