@@ -72,15 +72,20 @@ def subject_columns(answers: Mapping[str, str]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> subject_columns({"age": "31", "expertise": "Yes"})
-    {'gender': None, 'age': 31.0, 'expertise': True}
+    >>> subject_columns({"gender": "Male", "age": "31", "expertise": "Yes"})
+    {'gender': 'male', 'age': 31.0, 'expertise': True}
     """
     expertise = answers.get("expertise", "").strip().casefold()
     return {
-        "gender": answers.get("gender"),
+        "gender": _gender(answers.get("gender", "")),
         "age": _number(answers.get("age", "")),
         "expertise": True if expertise in YES else False if expertise in NO else None,
     }
+
+
+def _gender(answer: str) -> str | None:
+    words = answer.strip().casefold()
+    return None if not words or "not to say" in words else words
 
 
 def _text(answer: Given) -> str:
