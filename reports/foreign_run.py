@@ -6,6 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from reports.paper_study import forest_layout
 from reports.study_results import (
     DEVIATION_KEYS,
     RATE_KEYS,
@@ -63,7 +64,7 @@ def foreign_document(trials: MappedTrials, mapping: TrialMapping, source: str) -
     """
     modes = set(trials.frame[MODE].dropna()) if MODE in trials.frame else set()
     mark = mark_of_modes(modes)
-    rates = [plain_value(row) for row in rate_rows(trials, Path(source).stem)]
+    rates = [plain_value(row) for row in rate_rows(trials, mapping.name or Path(source).stem)]
     return {
         "title": mapping.title,
         "source": source,
@@ -74,11 +75,15 @@ def foreign_document(trials: MappedTrials, mapping: TrialMapping, source: str) -
         "deviations": chosen_keys(rates, DEVIATION_KEYS),
         "published": [],
         "table3": [],
-        "figures": [],
+        "figures": forest_layout(rates),
         "models": [plain_value(row) for row in model_rows(trials, mapping)],
+        "notes": [],
         "tests": [],
+        "rates_with_everyone": [],
         "exclusions": [plain_value(step) for step in trials.exclusions],
+        "excluded": [],
         "consistency": [],
+        "disagreements": [],
         "provenance": {
             "relightlab": version("relightlab"),
             "file": source,

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reports.figures import PlotFigure
-from reports.study_words import Row, condition_words, level_words, number_or_nan
+from reports.study_words import Row, level_words, number_or_nan
 from reports.style import BLUE, INK, RULE, SKY, VERMILION, page_svg, plot_style
 
 CHANCE = 50.0
@@ -196,36 +196,3 @@ def _description(panels: Sequence[Panel]) -> str:
         + " percent."
         for panel in panels
     )
-
-
-def condition_panels(
-    rates: Sequence[Row], published: Sequence[Row], groups: Sequence[str] | None = None
-) -> list[Panel]:
-    """Return a panel for each task and condition of rates, in the order they come.
-
-    Parameters
-    ----------
-    rates, published : sequence of Row
-    groups : sequence of str, optional
-        Only these, all by default.
-
-    Returns
-    -------
-    list of Panel
-
-    Examples
-    --------
-    >>> row = {"task": "rivals", "condition": "ours", "group": "all", "level": "all", "rate": 0.6}
-    >>> [panel.title for panel in condition_panels([row], [])]
-    ['rivals: ours']
-    """
-    pairs = dict.fromkeys((row["task"], row["condition"]) for row in rates)
-
-    def own(rows: Sequence[Row], pair: tuple[str, str]) -> list[Row]:
-        return [
-            row
-            for row in rows
-            if (row["task"], row["condition"]) == pair and (not groups or row["group"] in groups)
-        ]
-
-    return [Panel(condition_words(*pair), own(rates, pair), own(published, pair)) for pair in pairs]

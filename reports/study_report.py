@@ -30,11 +30,12 @@ from reports.html_renderer import write_html
 from reports.pdf_renderer import write_pdf
 from reports.pictures import diverging_stops
 from reports.rows_behind import rows_behind
-from reports.study_figures import Panel, condition_panels, forest_figure
+from reports.study_figures import Panel, forest_figure
 from reports.study_flow_figure import flow_figure
 from reports.study_order_figure import order_figure
 from reports.study_tables import (
     consistency_table,
+    everyone_table,
     exclusion_table,
     facts_table,
     full_rates,
@@ -67,7 +68,6 @@ EXPLAINED = (
     " one subject have in common. “Does not hold” means that the data do not show it, not that"
     " there is no difference; that is what the test of equivalence is for."
 )
-PANELS_BESIDE = 2
 
 Document = Mapping[str, Any]
 
@@ -225,22 +225,11 @@ def study_plots(document: Document) -> tuple[Plot, ...]:
 
 
 def _forests(document: Document) -> Iterable[PlotFigure]:
-    mark = document["mark"]
     rates = [row for row in full_rates(document) if row["group"] != "side"]
-    if document["figures"]:
-        for figure in document["figures"]:
-            panels = [_titled(rates, document["published"], one) for one in figure["conditions"]]
-            shown = [panel for panel in panels if panel.rows]
-            if shown:
-                yield forest_figure(
-                    *(figure["identifier"], figure["title"], figure["caption"], shown, mark)
-                )
-        return
-    panels = condition_panels(rates, document["published"])
-    for start in range(0, len(panels), PANELS_BESIDE):
-        beside = panels[start : start + PANELS_BESIDE]
-        title = " and ".join(panel.title for panel in beside)
-        yield forest_figure(f"rates-plot-{start // PANELS_BESIDE + 1}", title, "", beside, mark)
+    for figure in document["figures"]:
+        panels = [_titled(rates, document["published"], one) for one in figure["conditions"]]
+        words = (figure["identifier"], figure["title"], figure["caption"])
+        yield forest_figure(*words, panels, document["mark"])
 
 
 def _titled(rates: Iterable[Row], published: Iterable[Row], condition: Row) -> Panel:
@@ -266,9 +255,11 @@ def _sections(document: Document) -> Iterable[Section]:
     if (order := asides["side-and-half"]) is not None:
         yield Section("order", order.figure.title, (order,))
     if document["models"]:
-        yield Section("model-terms", "Models", (model_table(document),))
+        notes = tuple(Prose(f"{note[:1].upper()}{note[1:]}.") for note in document["notes"])
+        yield Section("model-terms", "Models", (model_table(document), *notes))
     if (flow := asides["exclusion-flow"]) is not None:
-        yield Section("flow", flow.figure.title, (flow, exclusion_table(document)))
+        whole = [everyone_table(document)] if document["rates_with_everyone"] else []
+        yield Section("flow", flow.figure.title, (flow, exclusion_table(document), *whole))
     if document["consistency"]:
         yield _consistency_section(document)
 
@@ -302,7 +293,8 @@ def _consistency_section(document: Document) -> Section:
         " published numbers alone, not the answers analysed here."
     )
     title = "The published deviations"
-    return Section("consistency", title, (Prose(text), consistency_table(document)))
+    odd = tuple(Prose(sentence) for sentence in document["disagreements"])
+    return Section("consistency", title, (Prose(text), consistency_table(document), *odd))
 
 
 def _lead(document: Document) -> str:

@@ -23,8 +23,16 @@ from reports.study_words import (
 )
 
 Document = Mapping[str, Any]
-SURE = 0.05
-"""Marked as a finding below this, after Holm's correction."""
+KINDS = {
+    "chance": "against chance",
+    "equivalence": "equivalence with chance",
+    "difference": "differences of conditions",
+    "interaction": "interactions with subpopulations",
+    "group": "differences between subpopulations",
+    "side": "side bias",
+    "learning": "learning",
+}
+"""Kinds of planned tests as headings."""
 
 
 @dataclass(frozen=True)
@@ -301,22 +309,63 @@ def planned_table(document: Document) -> Table:
     """
     columns = (
         Column("Test", lambda row: row["test"]),
-        Column("estimate", lambda row: row["estimate_text"]),
-        Column("95 % interval", lambda row: row["interval_text"]),
-        Column("p", lambda row: probability(row.get("p"))),
-        Column("p, Holm", lambda row: probability(row.get("p_holm"))),
-        Column("result", lambda row: row["result"], "ours"),
+        Column("estimate", lambda row: percent(row["estimate"])),
+        Column("interval", lambda row: interval(row["low"], row["high"])),
+        Column("p", lambda row: probability(row["p"])),
+        Column("p, Holm", lambda row: probability(row["p_holm"])),
+        Column("result", lambda row: row["result"], "words"),
     )
     caption = (
-        "Planned tests. Within a family p-values are corrected by Holm's method. A difference"
-        " between groups is claimed only where the interaction is significant; equivalence with"
-        " chance only where both one-sided tests are."
+        "Planned tests, estimates in percent or percentage points with intervals by subject (of"
+        " equivalence, the 90 % interval that its two one-sided tests amount to). Holm's correction"
+        " is over tests of one kind in a family. That a difference is seen in one group and not in"
+        " another is no difference between the groups: only the test of the groups says so."
     )
-    return plain_table(
-        *(document, "tests", caption, columns),
-        by_key(document["tests"], "family").items(),
-        ["tests"],
+    families = by_key(document["tests"], "family").items()
+    groups = [
+        (f"{family}: {KINDS.get(kind, kind)}", rows)
+        for family, own in families
+        for kind, rows in by_key(own, "kind").items()
+    ]
+    return plain_table(document, "tests", caption, columns, groups, ["tests"])
+
+
+def everyone_table(document: Document) -> Table:
+    """Return the rates of everybody beside those after exclusions.
+
+    Parameters
+    ----------
+    document : mapping
+
+    Returns
+    -------
+    Table
+    """
+    kept = _values(row for row in document["rates"] if row["group"] == "all")
+    pairs = [
+        {"name": condition_words(*key[:2]), "everyone": row, "kept": kept[key]}
+        for key, row in _values(document["rates_with_everyone"]).items()
+        if key in kept
+    ]
+    columns = (
+        Column("Condition", lambda pair: pair["name"]),
+        *(
+            Column(f"{words}, {head}", lambda pair, key=key, text=text: text(pair[key]), role)  # type: ignore[misc]
+            for key, words in (("everyone", "everybody"), ("kept", "after exclusions"))
+            for head, text, role in (
+                ("trials", lambda row: str(row["trials"]), ""),
+                ("%", lambda row: percent(row["rate"]), "ours"),
+                (
+                    "by subject",
+                    lambda row: interval(row["cluster_low"], row["cluster_high"]),
+                    "",
+                ),
+            )
+        ),
     )
+    caption = "What the exclusions change: rates with everybody's answers, and without those left"
+    parts = ["rates_with_everyone", "rates"]
+    return plain_table(document, "with-everyone", f"{caption} out.", columns, [("", pairs)], parts)
 
 
 def consistency_table(document: Document) -> Table:

@@ -25,7 +25,7 @@ GROUPS = {
 
 
 def condition_words(task: str, condition: str) -> str:
-    """Return what a condition of a task is called.
+    """Return what a condition of a task is called: its task says it where it begins with it.
 
     Parameters
     ----------
@@ -37,10 +37,11 @@ def condition_words(task: str, condition: str) -> str:
 
     Examples
     --------
-    >>> condition_words("ours-karsch", "ours"), condition_words("edit", "edit")
-    ('ours-karsch: ours', 'edit')
+    >>> condition_words("ours-karsch", "ours"), condition_words("real", "ours")
+    ('ours-karsch', 'real: ours')
     """
-    return task if condition in {task, ""} else f"{task}: {condition}" if task else condition
+    said = task.startswith(condition)
+    return task if said else f"{task}: {condition}" if task else condition
 
 
 def level_words(group: str, level: str) -> str:

@@ -3,6 +3,7 @@
 ::
 
     title = "A study"
+    name = "edits"              # optional: of the task, the file's name by default
     groups = ["gender"]         # optional: columns to give rates by
 
     [columns]
@@ -82,6 +83,8 @@ class TrialMapping:
     groups : tuple of str
         Columns to give rates by.
     models : tuple of PlannedModel
+    name : str
+        Of the task; empty for the file's.
     """
 
     title: str
@@ -96,6 +99,7 @@ class TrialMapping:
     made: tuple[MadeColumn, ...]
     groups: tuple[str, ...]
     models: tuple[PlannedModel, ...]
+    name: str = ""
 
     def columns(self) -> tuple[str, ...]:
         """Return the columns that the file must have."""
@@ -156,7 +160,7 @@ def mapping_of(values: Mapping[str, object]) -> TrialMapping:
     >>> mapping_of({"title": "A study", "columns": columns}).columns()
     ('worker', 'question', 'chose')
     """
-    known = ("title", "columns", "keep", "made", "groups", "models")
+    known = ("title", "name", "columns", "keep", "made", "groups", "models")
     root = checked_table(values, "the mapping", known)
     columns = root.table("columns", FIELDS)
     keep = TomlTable(checked_mapping(root, "keep"), "[keep]")
@@ -171,6 +175,7 @@ def mapping_of(values: Mapping[str, object]) -> TrialMapping:
         keep={name: keep.texts(name) for name in keep.values},
         made=tuple(_made(name, one) for name, one in checked_mapping(root, "made").items()),
         groups=root.texts("groups", ()),
+        name=root.text("name", ""),
         models=tuple(_model(one) for one in root.tables("models", ("name", "kind", "formula"))),
     )
 

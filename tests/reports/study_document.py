@@ -71,15 +71,22 @@ def study_document(mark: str = "SIMULATED", **changes: Any) -> dict[str, Any]:
         ],
         "tests": [
             {
-                "family": "equivalence with chance",
-                "test": "real: ours",
-                "estimate_text": "44.0 %",
-                "interval_text": "41.0 to 47.0",
+                "family": "real",
+                "kind": "equivalence",
+                "task": "real",
+                "condition": "ours",
+                "group": "",
+                "test": "ours is within 5 points of 50 %",
+                "estimate": 0.44,
+                "low": 0.41,
+                "high": 0.47,
                 "p": 0.2,
                 "p_holm": 0.4,
-                "result": "not shown",
+                "result": "equivalence not shown",
             }
         ],
+        "notes": ["gee was not fitted"],
+        "rates_with_everyone": [row for row in rates if row["group"] == "all"],
         "exclusions": [
             {
                 "reason": "chose a cartoon",
@@ -103,6 +110,8 @@ def study_document(mark: str = "SIMULATED", **changes: Any) -> dict[str, Any]:
                 "finding": "as binomial",
             }
         ],
+        "excluded": [],
+        "disagreements": ["Two numbers disagree."],
         "provenance": {"relightlab": "0.1.0", "study": "ab" * 32},
     }
     return document | changes
