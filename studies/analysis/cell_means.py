@@ -20,6 +20,7 @@ from scipy.stats import t as student
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
 from studies.analysis.intervals import FEWEST_CLUSTERS
+from studies.analysis.laplace import Codes
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,20 +33,23 @@ class CellMeans:
         Labels, sorted.
     mean : (c,) array
     covariance : (c, c) array
-    subjects : int
-        In all cells together.
-    trials : (c,) array
+    subjects : (c,) array of int
+        With answers in each cell.
+    trials : (c,) array of int
     """
 
     cells: tuple[Hashable, ...]
     mean: Float
     covariance: Float
-    subjects: int
-    trials: Float
+    subjects: Codes
+    trials: Codes
 
 
 class Difference(NamedTuple):
-    """A difference of two rates with its interval and two-sided test against none."""
+    """A difference of rates, its interval, and the two-sided test that there is none.
+
+    `subjects` are those of the smallest cell.
+    """
 
     difference: float
     low: float
@@ -79,7 +83,8 @@ def cell_means(outcome: ArrayLike, cell: ArrayLike, subject: ArrayLike) -> CellM
     Returns
     -------
     CellMeans
-        The covariance is the sandwich of the regression on the cells, times G / (G - 1).
+        The covariance is the sandwich of the regression on the cells; each cell's part has the
+        factor G / (G - 1) for the G subjects in it, infinite for one subject.
 
     Raises
     ------
@@ -89,8 +94,8 @@ def cell_means(outcome: ArrayLike, cell: ArrayLike, subject: ArrayLike) -> CellM
     Examples
     --------
     >>> means = cell_means([1, 0, 1, 1], ["a", "b", "a", "b"], [1, 1, 2, 2])
-    >>> [str(cell) for cell in means.cells], means.mean.tolist(), means.subjects
-    (['a', 'b'], [1.0, 0.5], 2)
+    >>> [str(cell) for cell in means.cells], means.mean.tolist(), means.subjects.tolist()
+    (['a', 'b'], [1.0, 0.5], [2, 2])
     """
     values = np.asarray(outcome, dtype=float)
     places, labels = pd.factorize(np.asarray(cell), sort=True)
@@ -99,16 +104,23 @@ def cell_means(outcome: ArrayLike, cell: ArrayLike, subject: ArrayLike) -> CellM
         raise RelightlabError(f"expected answers of two subjects or more, got {len(names)}")
     trials = np.bincount(places)
     mean = np.bincount(places, values) / trials
-    score = np.zeros((len(names), len(labels)))
+    score, present = np.zeros((2, len(names), len(labels)))
     np.add.at(score, (people, places), values - mean[places])
-    score /= trials
-    factor = len(names) / (len(names) - 1)
-    covariance = factor * score.T @ score
-    return CellMeans(tuple(labels), mean, covariance, len(names), trials.astype(float))
+    present[people, places] = 1
+    subjects = present.sum(axis=0).astype(np.intp)
+    with np.errstate(divide="ignore"):
+        factor = np.sqrt(subjects / (subjects - 1.0))
+    score *= np.where(np.isfinite(factor), factor, 0.0) / trials
+    covariance = score.T @ score
+    covariance[np.diag_indices_from(covariance)] += np.where(subjects < FEWEST_CLUSTERS, np.inf, 0)
+    return CellMeans(tuple(labels), mean, covariance, subjects, trials)
 
 
 def contrast(means: CellMeans, weights: ArrayLike, alpha: float = 0.05) -> Difference:
-    """Return a weighted sum of cell means with its interval, t with one less than the subjects.
+    """Return a weighted sum of cell means with its interval.
+
+    Student's t with one degree of freedom less than the subjects of the smallest cell that counts:
+    G - 1 where the same G subjects are in all of them, and on the safe side where they are not.
 
     Parameters
     ----------
@@ -119,7 +131,7 @@ def contrast(means: CellMeans, weights: ArrayLike, alpha: float = 0.05) -> Diffe
     Returns
     -------
     Difference
-        `p` is NaN where the contrast has no variance.
+        `p` is NaN where the contrast has no variance, or a cell one subject.
 
     Examples
     --------
@@ -129,11 +141,15 @@ def contrast(means: CellMeans, weights: ArrayLike, alpha: float = 0.05) -> Diffe
     """
     vector = np.asarray(weights, dtype=float)
     value = float(vector @ means.mean)
-    error = float(np.sqrt(max(0.0, vector @ means.covariance @ vector)))
-    freedom = means.subjects - 1
+    used = np.flatnonzero(vector)
+    subjects = int(means.subjects[used].min())
+    if subjects < FEWEST_CLUSTERS:
+        return Difference(value, np.nan, np.nan, np.nan, np.nan, subjects)
+    spread = vector[used] @ means.covariance[np.ix_(used, used)] @ vector[used]
+    error, freedom = float(np.sqrt(max(0.0, spread))), subjects - 1
     reach = float(student.isf(alpha / 2, freedom)) * error
     p = float(2 * student.sf(abs(value) / error, freedom)) if error > 1e-12 else np.nan
-    return Difference(value, value - reach, value + reach, error, p, means.subjects)
+    return Difference(value, value - reach, value + reach, error, p, subjects)
 
 
 def paired_difference(
@@ -183,8 +199,8 @@ def paired_difference(
 def wald_test(means: CellMeans, contrasts: ArrayLike) -> WaldTest:
     """Test whether several contrasts of cell means are all zero.
 
-    F with the number of independent contrasts, and the number of subjects less that, as degrees of
-    freedom (Hotelling's reference): the covariance is estimated from that many subjects.
+    Hotelling's F: as degrees of freedom the number of contrasts, and that of the subjects in the
+    smallest cell less the number of contrasts. With one contrast it is the square of the t test.
 
     Parameters
     ----------
@@ -197,14 +213,15 @@ def wald_test(means: CellMeans, contrasts: ArrayLike) -> WaldTest:
         `p` is NaN where the contrasts have no variance, or subjects are too few.
     """
     matrix = np.atleast_2d(np.asarray(contrasts, dtype=float))
-    value = matrix @ means.mean
-    covariance = matrix @ means.covariance @ matrix.T
-    rank = int(np.linalg.matrix_rank(covariance, tol=1e-12))
-    freedom = means.subjects - rank
-    if rank < len(matrix) or freedom < 1:
-        return WaldTest(np.nan, len(matrix), max(freedom, 0), np.nan)
+    subjects, rank = int(means.subjects.min()), len(matrix)
+    freedom = subjects - rank
+    if subjects < FEWEST_CLUSTERS or freedom < 1:
+        return WaldTest(np.nan, rank, max(freedom, 0), np.nan)
+    value, covariance = matrix @ means.mean, matrix @ means.covariance @ matrix.T
+    if np.linalg.matrix_rank(covariance, tol=1e-12) < rank:
+        return WaldTest(np.nan, rank, freedom, np.nan)
     hotelling = float(value @ np.linalg.solve(covariance, value))
-    statistic = hotelling * freedom / (rank * (means.subjects - 1))
+    statistic = hotelling * freedom / (rank * (subjects - 1))
     return WaldTest(statistic, rank, freedom, float(fisher.sf(statistic, rank, freedom)))
 
 
@@ -230,7 +247,7 @@ def group_test(outcome: ArrayLike, group: ArrayLike, subject: ArrayLike) -> Wald
     >>> test = group_test(rng.random(400) < 0.6, np.repeat(["f", "m"], 200),
     ...                   np.repeat(np.arange(40), 10))
     >>> test.numerator, test.denominator, 0 < test.p <= 1
-    (1, 39, True)
+    (1, 19, True)
     """
     means = cell_means(outcome, group, subject)
     if len(means.cells) < 2:

@@ -147,7 +147,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
     Examples
     --------
-    >>> holm([0.01, 0.04, 0.03, float("nan")])
+    >>> [round(p, 6) for p in holm([0.01, 0.04, 0.03, float("nan")])]
     [0.03, 0.06, 0.06, nan]
     """
     values = np.asarray(p_values, dtype=float)
@@ -155,4 +155,5 @@ def holm(p_values: Sequence[float]) -> list[float]:
     if known.any():
         values = values.copy()
         values[known] = multipletests(values[known], method="holm")[1]
-    return [round(value, 15) for value in values.tolist()]
+    corrected: list[float] = values.tolist()
+    return corrected

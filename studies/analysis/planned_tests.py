@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from shading_model.errors import RelightlabError
+from studies.analysis.arms import comparisons
 from studies.analysis.cell_means import (
     Difference,
     cell_means,
@@ -33,6 +34,9 @@ TEST_COLUMNS = (
     *("family", "kind", "task", "condition", "group", "test"),
     *("estimate", "low", "high", "p", "p_holm", "result"),
 )
+FEWEST_IN_LEVEL = 5
+"""A level of fewer subjects is left out of the tests of its group."""
+_NO_ESTIMATE = {"estimate": np.nan, "low": np.nan, "high": np.nan}
 _WORDS = {
     "chance": ("differs from chance", "no difference from chance shown"),
     "equivalence": ("equivalent to chance", "equivalence not shown"),
@@ -48,20 +52,17 @@ def planned_tests(
     trials: pd.DataFrame,
     groups: Mapping[str, pd.Series],
     plan: AnalysisPlan,
-    families: Mapping[str, str],
 ) -> list[Row]:
     """Return every planned test, corrected within its family.
 
     Parameters
     ----------
     trials : DataFrame
-        Main trials.
+        Main trials of `studies.analysis.arms.with_arms`.
     groups : mapping of str to Series
         The level of every trial, with the index of `trials`.
     plan : AnalysisPlan
         Margin and level.
-    families : mapping of str to str
-        The family of each task.
 
     Returns
     -------
@@ -69,8 +70,7 @@ def planned_tests(
         `TEST_COLUMNS`; None where there is no value: an F test has no interval.
     """
     rows: list[Row] = []
-    family = trials["task"].map(lambda task: families.get(task, task))
-    for name, own in trials.groupby(family, sort=True):
+    for name, own in trials.groupby("family", sort=True):
         if own["subject"].nunique() < 2:
             continue
         rows.extend({"family": str(name), **row} for row in _of_family(own, groups, plan))
@@ -81,12 +81,14 @@ def _of_family(
     trials: pd.DataFrame, groups: Mapping[str, pd.Series], plan: AnalysisPlan
 ) -> Iterator[Row]:
     yield from _of_conditions(trials, plan)
-    conditions = sorted(trials["condition"].unique())
-    for first, second in itertools.combinations(conditions, 2):
-        yield _difference(trials, first, second, plan.alpha)
-    for group, levels in groups.items():
-        yield from _of_group(trials, group, levels.loc[trials.index])
+    for _, own in comparisons(trials):
+        for first, second in itertools.combinations(sorted(own["arm"].unique()), 2):
+            yield _difference(own, first, second, plan.alpha)
+        for group, levels in groups.items():
+            yield from _interaction(own, group, levels.loc[own.index])
     for (task, condition), own in trials.groupby(["task", "condition"], sort=True):
+        for group, levels in groups.items():
+            yield from _of_group(str(task), str(condition), own, group, levels.loc[own.index])
         yield from _of_order(str(task), str(condition), own, plan.alpha)
 
 
@@ -118,12 +120,10 @@ def _of_conditions(trials: pd.DataFrame, plan: AnalysisPlan) -> Iterator[Row]:
 
 
 def _difference(trials: pd.DataFrame, first: str, second: str, alpha: float) -> Row:
-    found = paired_difference(
-        trials["chose_target"], trials["condition"], trials["subject"], (first, second), alpha
-    )
-    tasks = sorted(trials.loc[trials["condition"].isin([first, second]), "task"].unique())
+    outcome, subject = trials["chose_target"], trials["subject"]
+    found = paired_difference(outcome, trials["arm"], subject, (first, second), alpha)
     return {
-        "task": ", ".join(tasks),
+        "task": _tasks(trials[trials["arm"].isin([first, second])]),
         "condition": f"{first} - {second}",
         "group": "",
         "kind": "difference",
@@ -132,36 +132,47 @@ def _difference(trials: pd.DataFrame, first: str, second: str, alpha: float) -> 
     }
 
 
-def _of_group(trials: pd.DataFrame, group: str, levels: pd.Series) -> Iterator[Row]:
-    known = trials[levels.notna().to_numpy()]
-    level = levels[levels.notna()].astype(str)
-    outcome, subject = known["chose_target"], known["subject"]
-    conditions = sorted(known["condition"].unique())
-    names = {"group": group, "estimate": np.nan, "low": np.nan, "high": np.nan}
-    if len(conditions) > 1:
-        try:
-            test = interaction_test(outcome, known["condition"], level, subject)
-        except RelightlabError:
-            return
-        words = f"the difference of conditions differs by {group}"
-        where = {"task": ", ".join(sorted(known["task"].unique())), "condition": ""}
-        yield {**where, **names, "kind": "interaction", "test": words, "p": test.p}
-    for (task, condition), own in known.groupby(["task", "condition"], sort=True):
-        try:
-            test = group_test(own["chose_target"], level.loc[own.index], own["subject"])
-        except RelightlabError:
-            continue
-        where = {"task": str(task), "condition": str(condition)}
-        words = f"{condition} differs by {group}"
-        yield {**where, **names, "kind": "group", "test": words, "p": test.p}
+def _interaction(trials: pd.DataFrame, group: str, levels: pd.Series) -> Iterator[Row]:
+    known, level = _known(trials, levels)
+    try:
+        test = interaction_test(known["chose_target"], known["arm"], level, known["subject"])
+    except RelightlabError:
+        return
+    conditions = ", ".join(sorted(known["arm"].unique()))
+    words = f"the difference of conditions differs by {group}"
+    names = {"task": _tasks(known), "condition": conditions, "group": group}
+    yield {**names, "kind": "interaction", "test": words, **_NO_ESTIMATE, "p": test.p}
+
+
+def _of_group(
+    task: str, condition: str, own: pd.DataFrame, group: str, levels: pd.Series
+) -> Iterator[Row]:
+    known, level = _known(own, levels)
+    try:
+        test = group_test(known["chose_target"], level, known["subject"])
+    except RelightlabError:
+        return
+    names = {"task": task, "condition": condition, "group": group}
+    words = f"{condition} differs by {group}"
+    yield {**names, "kind": "group", "test": words, **_NO_ESTIMATE, "p": test.p}
+
+
+def _known(trials: pd.DataFrame, levels: pd.Series) -> tuple[pd.DataFrame, pd.Series]:
+    """Trials of levels that enough subjects are of, to estimate their spread."""
+    subjects = trials.groupby(levels.astype(object))["subject"].nunique()
+    known = levels.isin(subjects.index[subjects >= FEWEST_IN_LEVEL])
+    return trials[known.to_numpy()], levels[known].astype(str)
+
+
+def _tasks(trials: pd.DataFrame) -> str:
+    return ", ".join(sorted(trials["task"].unique()))
 
 
 def _of_order(task: str, condition: str, own: pd.DataFrame, alpha: float) -> Iterator[Row]:
     """Side bias and learning are always shown, whether in the plan or not."""
-    late = half_of_session(own)
     for kind, labels, words in (
         ("side", own["target_side"], f"{condition} more often on the left"),
-        ("learning", late, f"{condition} more often in the first half"),
+        ("learning", half_of_session(own), f"{condition} more often in the first half"),
     ):
         known = own[labels.notna().to_numpy()]
         if labels.nunique() < 2 or known["subject"].nunique() < 2:

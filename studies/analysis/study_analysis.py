@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from studies.analysis.arms import with_arms
 from studies.analysis.exclusion_flow import exclusion_flow
 from studies.analysis.planned_tests import planned_tests
 from studies.analysis.rates import DEVIATION_COLUMNS, RATE_COLUMNS, Row, rate_rows
@@ -80,10 +81,10 @@ def analyze(
     exclusions : Exclusions, optional
         The preregistered rules.
     families : mapping of str to str, optional
-        The family of each task: its conditions are compared and corrected together. By default
-        each task is a family.
+        The family of each task: its tests are corrected together. By default each task is one.
     others : mapping of str to str, optional
-        What each task holds its target against, for Bradley and Terry's model.
+        What each task holds its target against: only tasks of one family that hold theirs against
+        the same are compared. Also for Bradley and Terry's model.
 
     Returns
     -------
@@ -111,11 +112,10 @@ def analyze(
     """
     planned = plan or AnalysisPlan()
     flow = exclusion_flow(data, exclusions)
-    trials = main_trials(flow.kept)
+    trials = with_arms(main_trials(flow.kept), families or {}, others or {})
     groups = subpopulations(flow.kept, (*planned.groups, "side"), planned.age_threshold)
     rows = list(rate_rows(trials, groups, planned.alpha))
-    of_family = families or {}
-    models = fit_study_models(trials, of_family)
+    models = fit_study_models(trials)
     strengths = strengths_of(trials, others or {}, planned.alpha)
     tested = {name: levels for name, levels in groups.items() if name not in {"side", "half"}}
     return StudyResult(
@@ -123,7 +123,7 @@ def analyze(
         deviations=_columns(rows, DEVIATION_COLUMNS),
         rates_with_everyone=_everyone(data, planned.alpha),
         models=[*models.rows, *strengths.rows],
-        tests=planned_tests(trials, tested, planned, of_family),
+        tests=planned_tests(trials, tested, planned),
         exclusions=list(flow.steps),
         excluded=list(flow.excluded),
         started=flow.started,

@@ -2,8 +2,8 @@
 
 For each task, the choice of the target in log-odds: the condition where the task has several, the
 side the target was on (+0.5 left, -0.5 right, so that the intercept is free of it) and learning
-(from -0.5 at the first place to +0.5 at the last). Tasks of one family are compared in one model
-more, with the condition as its term.
+(from -0.5 at the first place to +0.5 at the last). Tasks that hold several conditions against the
+same are compared in one model more, with the condition as its term.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import pandas as pd
 
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
+from studies.analysis.arms import comparisons
 from studies.analysis.bradley_terry import bradley_terry
 from studies.analysis.estimating_equations import fit_estimating_equations
 from studies.analysis.mixed_model import MixedFit, fit_mixed_model
@@ -34,7 +35,7 @@ class FittedModels:
     rows : list of dict
         ``model, term, estimate, se``.
     mixed : dict of str to MixedFit
-        The mixed models by task, or family where tasks are compared.
+        The mixed models by task, or by comparison of tasks.
     notes : list of str
         What could not be fitted, and why.
     """
@@ -44,15 +45,13 @@ class FittedModels:
     notes: list[str]
 
 
-def fit_study_models(trials: pd.DataFrame, families: Mapping[str, str]) -> FittedModels:
-    """Fit the models of every task, and of every family of several tasks.
+def fit_study_models(trials: pd.DataFrame) -> FittedModels:
+    """Fit the models of every task, and of every comparison of several tasks.
 
     Parameters
     ----------
     trials : DataFrame
-        Main trials: ``subject, task, position, pair, condition, target_side, chose_target``.
-    families : mapping of str to str
-        The family of each task.
+        Main trials of `studies.analysis.arms.with_arms`.
 
     Returns
     -------
@@ -60,7 +59,7 @@ def fit_study_models(trials: pd.DataFrame, families: Mapping[str, str]) -> Fitte
         Of each set ``mixed``, with side and learning; ``mixed_plain``, without; and ``gee``.
     """
     models = FittedModels([], {}, [])
-    for name, own in _sets(trials, families):
+    for name, own in _sets(trials):
         full, terms = study_columns(own)
         keep = [place for place, term in enumerate(terms) if term not in (SIDE, LEARNING)]
         _fit_mixed(models, f"mixed: {name}", name, own, full, terms)
@@ -77,7 +76,7 @@ def study_columns(trials: pd.DataFrame) -> tuple[Float, tuple[str, ...]]:
     Parameters
     ----------
     trials : DataFrame
-        ``task, position, condition, target_side``.
+        ``task, position, arm, target_side``.
 
     Returns
     -------
@@ -88,14 +87,14 @@ def study_columns(trials: pd.DataFrame) -> tuple[Float, tuple[str, ...]]:
 
     Examples
     --------
-    >>> trials = pd.DataFrame({"task": "real", "position": [1, 2, 3, 1], "condition": list("aabb"),
+    >>> trials = pd.DataFrame({"task": "real", "position": [1, 2, 3, 1], "arm": list("aabb"),
     ...                        "target_side": ["left", "right", "left", "left"]})
     >>> study_columns(trials)[1]
     ('(Intercept)', 'conditionb', 'side', 'learning')
     """
     columns, terms = [np.ones(len(trials))], [INTERCEPT]
-    for level in sorted(trials["condition"].unique())[1:]:
-        columns.append((trials["condition"] == level).to_numpy(dtype=float))
+    for level in sorted(trials["arm"].unique())[1:]:
+        columns.append((trials["arm"] == level).to_numpy(dtype=float))
         terms.append(f"condition{level}")
     for term, values in ((SIDE, _side(trials)), (LEARNING, _learning(trials))):
         if np.isfinite(values).all() and np.ptp(values) > 0:
@@ -137,13 +136,12 @@ def strengths_of(trials: pd.DataFrame, others: Mapping[str, str], alpha: float) 
     return models
 
 
-def _sets(trials: pd.DataFrame, families: Mapping[str, str]) -> Iterator[tuple[str, pd.DataFrame]]:
+def _sets(trials: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     for task, own in trials.groupby("task", sort=True):
         yield str(task), own
-    family = trials["task"].map(lambda task: families.get(task, task))
-    for name, own in trials.groupby(family, sort=True):
+    for name, own in comparisons(trials):
         if own["task"].nunique() > 1:
-            yield f"family {name}", own
+            yield name, own
 
 
 def _fit_mixed(
@@ -195,4 +193,5 @@ def _learning(trials: pd.DataFrame) -> Float:
     position = trials["position"].astype(float)
     last = position.groupby(trials["task"]).transform("max")
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((position - 1) / (last - 1) - 0.5, dtype=float)
+        place: pd.Series = (position - 1) / (last - 1) - 0.5
+    return place.to_numpy(dtype=float)
