@@ -11,9 +11,10 @@ import pandas as pd
 from shading_model.errors import RelightlabError
 from studies.observers import Observer, ObserverAnswers, ObserverModel, ShownTrial, identity_of
 from studies.questionnaire_answers import subject_columns
+from studies.response_store import ResponseStore
 from studies.schedules import Schedule, ScheduledTrial, least_filled, make_schedules
 from studies.study_records import Study
-from studies.tables import StudyData, closing_results, score
+from studies.tables import MODES, StudyData, closing_results, score
 
 DISPLAY = {"display_width": 1440.0, "display_height": 900.0}
 MOST_SUBJECTS = 100_000
@@ -63,6 +64,33 @@ def simulate(
     answers = [row for _, _, told in rows for row in told]
     tests = closing_results(trials)
     return StudyData(people.merge(tests, how="left", on="subject"), trials, pd.DataFrame(answers))
+
+
+def write_apart(store: ResponseStore, data: StudyData) -> dict[str, int]:
+    """Add answers to a store, simulated ones never among those of people, and return rows added.
+
+    Parameters
+    ----------
+    store : ResponseStore
+    data : StudyData
+
+    Returns
+    -------
+    dict of str to int
+        By table; what was there already is not counted.
+
+    Raises
+    ------
+    RelightlabError
+        If the store and the data together would hold answers of both kinds.
+    """
+    modes = {*store.read(MODES).subjects["mode"], *data.subjects["mode"]}
+    if "simulated" in modes and len(modes) > 1:
+        raise RelightlabError(
+            f"the database {store.database.url} would hold simulated answers beside others, which"
+            " nobody could tell apart in a rate: name another database"
+        )
+    return store.write(data)
 
 
 def shown_trials(entries: Sequence[ScheduledTrial]) -> list[ShownTrial]:
