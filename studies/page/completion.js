@@ -29,14 +29,27 @@ export async function complete({ token, ids, outbox, store, onChanged }) {
     }
   });
   if (!answer.ok) {
-    showScreen(
-      "Your answers are saved",
-      paragraph("The server gave no completion code. Please tell whoever invited you."),
-    );
+    await askWhatIsMissing(answer, store);
     return;
   }
-  store.remove("drafts");
+  store.remove("drafts", "asked-again");
   showCode(answer.body, ids, store);
+}
+
+// Where the server lacks answers, another visit asks for them, once.
+async function askWhatIsMissing(answer, store) {
+  if (!store.get("asked-again")) {
+    store.set("asked-again", true);
+    location.reload();
+    return;
+  }
+  const { detail } = answer.body ?? {};
+  showScreen(
+    "The server gave no completion code",
+    paragraph(typeof detail === "string" ? detail : "It did not say why."),
+    paragraph("Please tell whoever invited you."),
+    action("Try again", () => location.reload()),
+  );
 }
 
 function showCode({ code, redirect }, ids, store) {
@@ -82,7 +95,7 @@ function nextSubject(store) {
   paragraphs.className = "aside";
   paragraphs.append(
     action("Another person takes part", () => {
-      store.remove("session", "consented", "drafts");
+      store.remove("session", "drafts");
       location.assign(location.pathname + location.search);
     }),
   );

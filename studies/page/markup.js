@@ -7,13 +7,13 @@ export function escaped(text) {
   return String(text ?? "").replace(/[&<>"']/g, (character) => REPLACED[character]);
 }
 
-// Blank lines part paragraphs, other line ends stay where they are.
+// Empty lines part paragraphs; other line ends are only how the study's file was wrapped.
 export function paragraphs(text) {
   return String(text ?? "")
     .split(/\n\s*\n/)
     .map((part) => part.trim())
     .filter(Boolean)
-    .map((part) => `<p>${escaped(part).replaceAll("\n", "<br>")}</p>`)
+    .map((part) => `<p>${escaped(part)}</p>`)
     .join("");
 }
 

@@ -9,6 +9,10 @@ const FAILURES_BEFORE_NOTICE = 3;
 // first one counts, and this one is as good as sent.
 const CONFLICT = 409;
 
+export function randomId() {
+  return crypto.getRandomValues(new Uint32Array(4)).join("-");
+}
+
 export class Outbox {
   #store;
   #onChange;
@@ -47,7 +51,7 @@ export class Outbox {
 
   // An entry is {method, path, body}, and `optional` where its loss would harm no result.
   add(entry) {
-    this.#store.set("outbox", [...this.waiting, entry]);
+    this.#store.set("outbox", [...this.waiting, { id: randomId(), ...entry }]);
     this.#send();
   }
 
@@ -78,19 +82,20 @@ export class Outbox {
     if (this.#closed) return;
     if (answer.ok || answer.status === CONFLICT) {
       this.#failures = 0;
-      this.#removeFirst();
+      this.#remove(entry);
     } else if (answer.temporary) {
       this.#failures += 1;
       this.#onChange();
       await this.#pause(answer.retryAfterMs);
     } else {
       if (!entry.optional) this.#store.set("refused", [...this.refused, entry]);
-      this.#removeFirst();
+      this.#remove(entry);
     }
   }
 
-  #removeFirst() {
-    this.#store.set("outbox", this.waiting.slice(1));
+  // By its id: another tab may have sent, and removed, the same entry meanwhile.
+  #remove({ id }) {
+    this.#store.set("outbox", this.waiting.filter((entry) => entry.id !== id));
     this.#onChange();
   }
 

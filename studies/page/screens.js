@@ -38,7 +38,7 @@ export function browserCheck(settings, onMeasured, onRefused) {
         "You can come back to this address on another device.</p>"
       );
     },
-    on_finish: (features) => onMeasured({ ...features, ...screenFacts() }),
+    on_finish: ({ mobile, fullscreen }) => onMeasured({ ...screenFacts(), mobile, fullscreen }),
   };
 }
 
@@ -56,21 +56,23 @@ export function zoomAdvice() {
   return { timeline: [advice], conditional_function: () => Math.abs(zoom() - 1) > 0.1 };
 }
 
-export function consentScreen(session, onAgreed, onDeclined) {
+export function consentScreen(study, onDeclined) {
   return {
-    ...textScreen(session.title, paragraphs(session.consent), [
+    ...textScreen(study.title, paragraphs(study.consent), [
       "I agree and take part",
       "I do not agree",
     ]),
-    on_finish: (data) => (data.response === 0 ? onAgreed() : onDeclined()),
+    on_finish: (data) => {
+      if (data.response !== 0) onDeclined();
+    },
   };
 }
 
 export const declinedMessage =
-  heading("Thank you") + "<p>You do not take part, and no answers were kept. You can close this page.</p>";
+  heading("Thank you") + "<p>You do not take part, and nothing was kept. You can close this page.</p>";
 
-export function instructionScreen(session) {
-  return textScreen("Instructions", paragraphs(session.instructions), ["Start"]);
+export function instructionScreen(study) {
+  return textScreen("Instructions", paragraphs(study.instructions), ["Start"]);
 }
 
 export function welcomeBack(answered, total) {
@@ -85,6 +87,7 @@ export function welcomeBack(answered, total) {
 export function enterFullscreen() {
   const screen = {
     type: jsPsychFullscreen,
+    css_classes: ["text"],
     fullscreen_mode: true,
     message:
       heading("Full screen") +
@@ -116,6 +119,8 @@ function zoom() {
 
 function screenFacts() {
   return {
+    width: window.innerWidth,
+    height: window.innerHeight,
     pixel_ratio: window.devicePixelRatio,
     touch: navigator.maxTouchPoints > 0,
     zoom: Math.round(zoom() * 100) / 100,

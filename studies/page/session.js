@@ -5,48 +5,67 @@ import { insist } from "./server.js";
 // Where the browser keeps nothing, the address does: a reload then still finds the session.
 const FRAGMENT = "#session=";
 
-// {token, ids, session} or {refusal}, the server's own sentence. `onFailure` hears of each attempt
-// that got no answer.
-export async function openSession(store, onFailure) {
-  const { ids, mode } = fromAddress();
-  const kept = store.get("session") ?? inFragment(ids, mode);
-  if (kept && kept.mode === mode && sameIds(kept.ids, ids)) {
-    const answer = await insist("GET", `api/sessions/${kept.token}`, undefined, onFailure);
-    if (answer.ok) return { ...kept, resumed: true, session: answer.body };
-  }
-  const answer = await insist("POST", "api/sessions", { ids, mode }, onFailure);
+// {study} as every subject may know it, or {refusal}, the server's own sentence. `onFailure` hears
+// of each attempt that got no answer.
+export async function readStudy(onFailure) {
+  const answer = await insist("GET", "api/study", undefined, onFailure);
   if (!answer.ok) return { refusal: sentence(answer.body) };
-  const opened = { token: answer.body.token, ids, mode };
-  store.remove("consented", "drafts", "completed");
-  keep(store, opened);
-  return { ...opened, resumed: false, session: answer.body };
+  const study = answer.body;
+  return { study: asksForPilot() ? { ...study, mode: "pilot" } : study };
 }
 
-// Which questions of the address are ids is the server's affair; `mode` is the page's own.
-function fromAddress() {
-  const parameters = new URLSearchParams(location.search);
-  const mode = parameters.get("mode") === "pilot" ? "pilot" : "live";
-  parameters.delete("mode");
-  return { ids: Object.fromEntries(parameters), mode };
+// {token, ids, session} if this browser, or the address, has a session that goes on; or null.
+export async function keptSession(store, study, onFailure) {
+  const wanted = described(study);
+  const kept = store.get("session") ?? inFragment(wanted);
+  if (!kept || fingerprint(kept) !== fingerprint(wanted)) return null;
+  const answer = await insist("GET", `api/sessions/${kept.token}`, undefined, onFailure);
+  // Who declined, or came by another link since, begins anew.
+  if (!answer.ok || answer.body.status === "returned") return null;
+  return { token: kept.token, ids: kept.ids, session: answer.body };
 }
 
-function inFragment(ids, mode) {
-  if (!location.hash.startsWith(FRAGMENT)) return null;
-  return { token: location.hash.slice(FRAGMENT.length), ids, mode };
-}
-
-function keep(store, opened) {
-  store.set("session", opened);
+// {token, ids, session} or {refusal}.
+export async function openSession(store, study, onFailure) {
+  const wanted = described(study);
+  const display = {
+    width: window.innerWidth,
+    height: window.innerHeight,
+    pixel_ratio: window.devicePixelRatio,
+  };
+  const body = { ids: wanted.ids, mode: asksForPilot() ? "pilot" : null, display };
+  const answer = await insist("POST", "api/sessions", body, onFailure);
+  if (!answer.ok) return { refusal: sentence(answer.body) };
+  const { token } = answer.body;
+  store.remove("drafts", "asked-again");
+  store.set("session", { token, ...wanted });
   const address = location.pathname + location.search;
-  history.replaceState(null, "", store.lasting ? address : address + FRAGMENT + opened.token);
+  history.replaceState(null, "", store.lasting ? address : address + FRAGMENT + token);
+  return { token, ids: wanted.ids, session: answer.body };
 }
 
-function sameIds(first, second) {
-  const sorted = (ids) => JSON.stringify(Object.entries(ids).sort());
-  return sorted(first) === sorted(second);
+function asksForPilot() {
+  return new URLSearchParams(location.search).get("mode") === "pilot";
+}
+
+// Whose session it is: what the panel put into the address, and whether it counts.
+function described(study) {
+  const parameters = new URLSearchParams(location.search);
+  const given = study.id_parameters.filter((name) => parameters.has(name));
+  const ids = Object.fromEntries(given.map((name) => [name, parameters.get(name).slice(0, 256)]));
+  return { name: study.name, ids, mode: study.mode };
+}
+
+function fingerprint({ name, ids, mode }) {
+  return JSON.stringify([name, mode, Object.entries(ids).sort()]);
+}
+
+function inFragment(wanted) {
+  if (!location.hash.startsWith(FRAGMENT)) return null;
+  return { token: location.hash.slice(FRAGMENT.length), ...wanted };
 }
 
 function sentence(body) {
   const detail = body?.detail;
-  return typeof detail === "string" ? detail : "The server did not open a session.";
+  return typeof detail === "string" ? detail : "The server did not say why.";
 }

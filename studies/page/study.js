@@ -1,26 +1,26 @@
 // A subject's visit, from the browser check to the completion code.
 //
 // The server holds which trials are answered; the browser holds which answers are on their way.
-// Whatever is in neither is asked, so that a visit can end and go on anywhere.
+// Whatever is in neither is asked, so that a visit can end and go on anywhere. Nothing is sent to
+// the server before the subject has agreed.
 
 import { complete } from "./completion.js";
-import { declinedMessage } from "./screens.js";
 import { action, paragraph, showSaving, showScreen } from "./notices.js";
-import { openSession } from "./session.js";
-import { Outbox } from "./outbox.js";
+import { Outbox, randomId } from "./outbox.js";
 import { pairTrial } from "./pairs.js";
 import { Pictures } from "./pictures.js";
 import { questionnaireTrial } from "./questionnaire.js";
-import { claimSession, Store } from "./storage.js";
 import * as screens from "./screens.js";
+import { keptSession, openSession, readStudy } from "./session.js";
+import { claimSession, Store } from "./storage.js";
 
 class Visit {
   #listeners = [];
+  // Set once the visit has ended otherwise than by its completion.
   #over = false;
 
   constructor(store) {
     this.store = store;
-    this.pictures = new Pictures();
     this.outbox = new Outbox(store, () => {
       showSaving(this.outbox, store);
       for (const listener of this.#listeners) listener();
@@ -28,100 +28,98 @@ class Visit {
   }
 
   async start() {
-    const opened = await openSession(this.store, unreachable);
-    if (opened.refusal) {
-      showScreen("The study cannot start", paragraph(opened.refusal));
-      return;
+    this.outbox.retry();
+    const { study, refusal } = await readStudy(unreachable);
+    if (refusal) return cannotStart(refusal);
+    this.#mark(study);
+    const kept = await keptSession(this.store, study, unreachable);
+    await this.#enter(study, kept);
+    if (this.#over) return undefined;
+    const opened = kept ?? (await openSession(this.store, study, unreachable));
+    if (opened.refusal) return cannotStart(opened.refusal);
+    return this.#goOn(opened, Boolean(kept));
+  }
+
+  // Browser check and, but for who comes back, consent.
+  async #enter(study, kept) {
+    if (kept?.session.status === "complete") return;
+    const refused = () => (this.#over = true);
+    const timeline = [
+      screens.browserCheck(study.settings, (facts) => (this.facts = facts), refused),
+      screens.zoomAdvice(),
+    ];
+    if (!kept) {
+      const declined = () => {
+        this.#over = true;
+        this.jsPsych.abortExperiment(screens.declinedMessage);
+      };
+      timeline.push(screens.consentScreen(study, declined));
     }
+    await this.#run(timeline);
+  }
+
+  async #goOn(opened, resumed) {
     Object.assign(this, opened);
     claimSession(this.token, () => this.#leaveToOtherTab());
-    this.#mark();
-    if (opened.resumed) this.#tell("reload", "");
-    if (!this.store.lasting) this.#tell("storage-blocked", "");
     window.addEventListener("beforeunload", (event) => this.#beforeUnload(event));
-    this.outbox.retry();
-    await this.#run();
+    if (this.session.status !== "complete") {
+      if (this.facts) this.#tell("display", JSON.stringify(this.facts));
+      this.#tell(resumed ? "reload" : "consent", "");
+      if (!this.store.lasting) this.#tell("storage-blocked", "");
+      const timeline = [...this.#pairs(), ...this.#questions()];
+      if (timeline.length) await this.#run(timeline);
+    }
     if (!this.#over) await this.#complete();
   }
 
-  async #run() {
+  async #run(timeline) {
     document.querySelector("#study").replaceChildren();
     this.jsPsych = initJsPsych({ display_element: "study" });
-    const timeline = this.session.status === "complete" ? [] : this.#timeline();
-    if (timeline.length) await this.jsPsych.run(timeline);
+    await this.jsPsych.run(timeline);
   }
 
-  #timeline() {
+  #pairs() {
     const trials = this.#unanswered();
-    const questions = this.#openQuestions();
-    if (!trials.length && !questions.length) return [];
-    const begin = [
-      screens.browserCheck(
-        this.session.settings,
-        (facts) => this.#tell("display", JSON.stringify(facts)),
-        () => this.#end("browser-refused"),
-      ),
-      screens.zoomAdvice(),
-    ];
-    if (this.store.get("consented") !== this.token) begin.push(this.#consent());
-    return [...begin, ...this.#pairs(trials), ...questions];
-  }
-
-  #consent() {
-    return screens.consentScreen(
-      this.session,
-      () => {
-        this.store.set("consented", this.token);
-        this.#tell("consent", "agreed");
-      },
-      () => {
-        this.#end("declined");
-        this.jsPsych.abortExperiment(declinedMessage);
-      },
-    );
-  }
-
-  #pairs(trials) {
     if (!trials.length) return [];
-    const total = this.session.trials.length;
-    const addresses = [...new Set(trials.flatMap(({ left, right }) => [left, right]))];
-    const answered = total - trials.length;
+    const pictures = new Pictures();
+    const { study, schedule } = this.session;
+    const answered = schedule.length - trials.length;
     return [
-      this.pictures.timeline(addresses),
-      answered ? screens.welcomeBack(answered, total) : screens.instructionScreen(this.session),
+      pictures.timeline([...new Set(trials.flatMap(({ left, right }) => [left, right]))]),
+      answered
+        ? screens.welcomeBack(answered, schedule.length)
+        : screens.instructionScreen(study),
       screens.enterFullscreen(),
-      ...trials.map((trial) => this.#pair(trial, total)),
+      ...trials.map((trial) =>
+        pairTrial({
+          trial,
+          progress: `Pair ${trial.index + 1} of ${schedule.length}`,
+          settings: study.settings,
+          pictures,
+          onAnswer: (body) => this.#send(`trials/${trial.index}`, body),
+        }),
+      ),
       screens.leaveFullscreen(),
-    ];
-  }
-
-  #pair(trial, total) {
-    return pairTrial({
-      trial,
-      progress: `Pair ${trial.index + 1} of ${total}`,
-      settings: this.session.settings,
-      pictures: this.pictures,
-      onAnswer: (body) => this.#send("PUT", `trials/${trial.index}`, body),
-    });
-  }
-
-  #openQuestions() {
-    const { questionnaire, questionnaire_answered: answered } = this.session;
-    if (!questionnaire.length || answered || this.#isWaiting("questionnaire")) return [];
-    return [
-      questionnaireTrial({
-        questions: questionnaire,
-        store: this.store,
-        onAnswer: (answers) => this.#send("PUT", "questionnaire", { answers }),
-      }),
     ];
   }
 
   #unanswered() {
     const answered = new Set(this.session.answered);
-    return this.session.trials.filter(
+    return this.session.schedule.filter(
       ({ index }) => !answered.has(index) && !this.#isWaiting(`trials/${index}`),
     );
+  }
+
+  #questions() {
+    const { study, questionnaire_answered: answered } = this.session;
+    if (answered || this.#isWaiting("questionnaire")) return [];
+    return [
+      questionnaireTrial({
+        questions: study.questionnaire,
+        store: this.store,
+        onAnswer: (answers) => this.#send("questionnaire", { answers }),
+      }),
+    ];
   }
 
   #complete() {
@@ -139,26 +137,20 @@ class Visit {
     return [...this.outbox.waiting, ...this.outbox.refused].some((entry) => entry.path === path);
   }
 
-  #send(method, place, body) {
-    this.outbox.add({ method, path: this.#path(place), body });
+  #send(place, body) {
+    this.outbox.add({ method: "PUT", path: this.#path(place), body });
   }
 
   // What happened beside the answers; its loss would harm no result.
   #tell(event, detail) {
-    const key = crypto.getRandomValues(new Uint32Array(4)).join("-");
-    const path = this.#path("events");
-    this.outbox.add({ method: "POST", path, body: { event, detail, key }, optional: true });
+    const body = { event, detail, key: randomId(), client_time: new Date().toISOString() };
+    this.outbox.add({ method: "POST", path: this.#path("events"), body, optional: true });
   }
 
-  #end(event) {
-    this.#over = true;
-    this.#tell(event, "");
-  }
-
-  #mark() {
-    const pilot = this.session.mode === "pilot";
+  #mark({ mode, title }) {
+    const pilot = mode === "pilot";
     document.querySelector("#pilot").hidden = !pilot;
-    document.title = (pilot ? "Pilot: " : "") + this.session.title;
+    document.title = (pilot ? "Pilot: " : "") + title;
   }
 
   // What is kept only here would be lost with the window.
@@ -180,6 +172,10 @@ class Visit {
       );
     });
   }
+}
+
+function cannotStart(refusal) {
+  showScreen("The study cannot start", paragraph(refusal));
 }
 
 function unreachable(failures) {
