@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats import t as student
-from statsmodels.stats.multitest import multipletests
 
 from shading_model.errors import RelightlabError
 from studies.analysis.intervals import (
@@ -137,6 +136,8 @@ def chance_test(outcome: ArrayLike, subject: ArrayLike, chance: float = 0.5) -> 
 def holm(p_values: Sequence[float]) -> list[float]:
     """Return p-values corrected for their family by Holm's steps; NaN stays and does not count.
 
+    statsmodels has the same, but collects all garbage of the process at each call.
+
     Parameters
     ----------
     p_values : sequence of float
@@ -150,10 +151,10 @@ def holm(p_values: Sequence[float]) -> list[float]:
     >>> [round(p, 6) for p in holm([0.01, 0.04, 0.03, float("nan")])]
     [0.03, 0.06, 0.06, nan]
     """
-    values = np.asarray(p_values, dtype=float)
-    known = np.isfinite(values)
-    if known.any():
-        values = values.copy()
-        values[known] = multipletests(values[known], method="holm")[1]
+    values = np.array(p_values, dtype=float)
+    known = np.flatnonzero(np.isfinite(values))
+    order = known[np.argsort(values[known], kind="stable")]
+    steps = np.arange(len(order), 0, -1) * values[order]
+    values[order] = np.minimum(1.0, np.maximum.accumulate(steps)) if len(order) else steps
     corrected: list[float] = values.tolist()
     return corrected

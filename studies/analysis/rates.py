@@ -6,8 +6,12 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from shading_model.arrays import Mask
+from shading_model.seeds import generator_for
+from studies.analysis.cluster_bootstrap import bootstrap_rates
 from studies.analysis.intervals import (
     cluster_interval,
     paper_mean,
@@ -34,8 +38,11 @@ RATE_COLUMNS = (
     "twoway_high",
 )
 """The columns of a table of rates, in order."""
-DEVIATION_COLUMNS = ("task", "condition", "group", "level", "mean", "deviation")
-"""The columns of the paper's own mean and deviation."""
+DEVIATION_COLUMNS = (
+    *("task", "condition", "group", "level"),
+    *("mean", "deviation", "bootstrap_low", "bootstrap_high"),
+)
+"""The columns of the paper's own mean and deviation, and of the bootstrap by subjects."""
 
 
 def rate_row(
@@ -55,7 +62,7 @@ def rate_row(
     Returns
     -------
     dict
-        The keys of `RATE_COLUMNS` and `DEVIATION_COLUMNS`; None where there is no value.
+        The keys of `RATE_COLUMNS`, ``mean`` and ``deviation``; None where there is no value.
 
     Examples
     --------
@@ -100,17 +107,32 @@ def rate_rows(trials: pd.DataFrame, groups: Mapping[str, pd.Series], alpha: floa
     Yields
     ------
     dict
-        As `rate_row` gives them. A level that nobody is of has no row.
+        As `rate_row` gives them, and ``bootstrap_low, bootstrap_high``: percentiles of the rates of
+        subjects drawn with replacement, the same draws for all levels. A level that nobody is of
+        has no row.
     """
     for (task, condition), own in trials.groupby(["task", "condition"], sort=True):
         names = (str(task), str(condition))
-        yield rate_row(*names, EVERYBODY, EVERYBODY, own, alpha)
-        for group, levels in groups.items():
-            of_own = levels.loc[own.index]
-            for level in levels.cat.categories:
-                members = own[(of_own == level).to_numpy(dtype=bool, na_value=False)]
-                if len(members):
-                    yield rate_row(*names, group, str(level), members, alpha)
+        sets = _sets(own, groups)
+        drawn = bootstrap_rates(
+            own["chose_target"],
+            own["subject"].to_numpy(),
+            np.column_stack([members for _, _, members in sets]),
+            generator_for("cluster bootstrap", *names),
+            alpha=alpha,
+        )
+        ends = zip(drawn.low.tolist(), drawn.high.tolist(), strict=True)
+        for (group, level, members), (low, high) in zip(sets, ends, strict=True):
+            row = rate_row(*names, group, level, own[members], alpha)
+            yield plain(row | {"bootstrap_low": low, "bootstrap_high": high})
+
+
+def _sets(own: pd.DataFrame, groups: Mapping[str, pd.Series]) -> list[tuple[str, str, Mask]]:
+    sets: list[tuple[str, str, Mask]] = [(EVERYBODY, EVERYBODY, np.ones(len(own), dtype=bool))]
+    for group, levels in groups.items():
+        places, categories = levels.loc[own.index].cat.codes.to_numpy(), levels.cat.categories
+        sets += [(group, str(level), places == k) for k, level in enumerate(categories)]
+    return [(group, level, members) for group, level, members in sets if members.any()]
 
 
 def plain(row: Mapping[str, Any]) -> Row:

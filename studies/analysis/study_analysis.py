@@ -26,7 +26,8 @@ class StudyResult:
         ``task, condition, group, level, trials, subjects, rate``, and low and high of the
         ``wilson``, ``cluster`` and ``twoway`` intervals, after exclusions.
     deviations : list of dict
-        ``task, condition, group, level, mean, deviation``: the paper's own.
+        ``task, condition, group, level, mean, deviation``: the paper's own; and
+        ``bootstrap_low, bootstrap_high``.
     rates_with_everyone : list of dict
         As `rates` for group ``all``, before exclusions.
     models : list of dict

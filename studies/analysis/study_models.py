@@ -184,14 +184,17 @@ def _fit_gee(
 
 
 def _side(trials: pd.DataFrame) -> Float:
-    side = trials["target_side"].map({"left": 0.5, "right": -0.5})
-    return side.to_numpy(dtype=float)
+    side = trials["target_side"]
+    places = np.where(side == "left", 0.5, -0.5).astype(float)
+    return np.where(side.notna(), places, np.nan)
 
 
 def _learning(trials: pd.DataFrame) -> Float:
     """Places from -0.5 at the first to +0.5 at the last of the task."""
     position = trials["position"].astype(float)
     last = position.groupby(trials["task"]).transform("max")
-    with np.errstate(divide="ignore", invalid="ignore"):
-        place: pd.Series = (position - 1) / (last - 1) - 0.5
-    return place.to_numpy(dtype=float)
+    from_middle = (position - (last + 1) / 2).to_numpy(dtype=float)
+    places: Float = (last - 1).to_numpy(dtype=float)
+    shares = np.full(len(places), np.nan)
+    np.divide(from_middle, places, out=shares, where=places > 0)
+    return shares
