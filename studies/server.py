@@ -177,7 +177,19 @@ def _add_files(app: FastAPI, stimuli: ServedStimuli, page: Path | None) -> None:
         def index() -> HTMLResponse:
             return HTMLResponse(markup, headers={"Cache-Control": "no-cache"})
 
-        app.mount("/static", StaticFiles(directory=page))
+        app.mount("/static", _PageFiles(directory=page))
+
+
+class _PageFiles(StaticFiles):
+    """The page's files, which a browser compares with the server's before it uses its own copy.
+
+    After an upgrade the page names the hashes of the new ones, and an old one would not run.
+    """
+
+    def file_response(self, *args: Any, **options: Any) -> Response:
+        response = super().file_response(*args, **options)
+        response.headers["Cache-Control"] = "no-cache"
+        return response
 
 
 class _UnfitError(RelightlabError):
