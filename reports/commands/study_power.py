@@ -134,9 +134,7 @@ def _print_needed(curves: Sequence[PowerCurve], loss: float, tasks: int) -> None
     names = ["to show", "for", "subjects", "Monte Carlo, 95 %", "to recruit", f"{tasks} tasks"]
     print_table(title, names, rows)
     if any(curve.needed is None for curve in curves):
-        say(
-            "not reached: beyond the last size of its curve; where the curve is level, take more pairs"
-        )
+        say("not reached: beyond the last size of its curve; where that is level, take more pairs")
 
 
 def _print_curve(aim: Aim, curves: Sequence[PowerCurve]) -> None:
