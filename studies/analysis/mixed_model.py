@@ -7,7 +7,7 @@ effects together, and standard errors come from its curvature there, as lme4's `
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,8 @@ DIFFERENCE = 1e-4
 """Step at which the gradient is differenced for the curvature."""
 SINGULAR = 1e-3
 """A standard deviation below this is tried at zero."""
+ESCAPE = 0.1
+"""Where a deviation goes on from that came out as zero though this one is likelier."""
 LARGEST_LOG_ODDS = 15.0
 """A fixed part beyond this, in answers without exception, has no finite estimate."""
 
@@ -239,22 +241,39 @@ def _optimum(design: CrossedDesign) -> tuple[Float, LaplaceValue, bool]:
         effects[:] = [found.effects]
         return found.value, found.gradient
 
-    begin = np.concatenate([np.ones(count), _plain_logistic(design)])
-    lowest = np.concatenate([np.zeros(count), np.full(design.columns.shape[1], -np.inf)])
-    found = minimize(
-        at,
-        begin,
-        jac=True,
-        method="L-BFGS-B",
-        bounds=Bounds(lowest, np.full(len(begin), np.inf)),
-        options={"maxiter": 500, "ftol": 1e-13, "gtol": 1e-9 * len(design.outcome)},
-    )
-    point = np.asarray(found.x, dtype=float)
+    def descend(begin: Float) -> Float:
+        lowest = np.concatenate([np.zeros(count), np.full(design.columns.shape[1], -np.inf)])
+        found = minimize(
+            at,
+            begin,
+            jac=True,
+            method="L-BFGS-B",
+            bounds=Bounds(lowest, np.full(len(begin), np.inf)),
+            options={"maxiter": 500, "ftol": 1e-13, "gtol": 1e-9 * len(design.outcome)},
+        )
+        return np.asarray(found.x, dtype=float)
+
+    point = descend(np.concatenate([np.ones(count), _plain_logistic(design)]))
+    # The likelihood is even in each deviation: a step that lands on 0 finds no slope to leave by.
+    for _ in range(count):
+        value = at(point)[0]
+        inner = [k for k in range(count) if point[k] < SINGULAR and _falls(at, point, k, value)]
+        if not inner:
+            break
+        point[inner] = ESCAPE
+        point = descend(point)
     _check_finite(design, point[count:])
     point = _without_singular(design, point, effects[-1])
     best = laplace(design, point[:count], point[count:], effects[-1])
     slope = np.where((point > 0) | (np.arange(len(point)) >= count), best.gradient, 0)
     return point, best, bool(np.abs(slope).max() < 1e-3 * max(1.0, len(design.outcome) / 1000))
+
+
+def _falls(at: Callable[[Float], tuple[float, Float]], point: Float, k: int, value: float) -> bool:
+    """Whether a small deviation is likelier than none."""
+    moved = point.copy()
+    moved[k] = ESCAPE
+    return at(moved)[0] < value
 
 
 def _without_singular(design: CrossedDesign, point: Float, start: tuple[Float, ...]) -> Float:
