@@ -57,7 +57,8 @@ def insert_new(connection: Connection, table: Table, rows: Sequence[Mapping[str,
         return 0
     dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
     statement = dialect.insert(table).on_conflict_do_nothing()
-    return int(connection.execute(statement, [dict(row) for row in rows]).rowcount)
+    counted = statement.execution_options(preserve_rowcount=True)
+    return int(connection.execute(counted, [dict(row) for row in rows]).rowcount)
 
 
 def new_token(connection: Connection, subject: str) -> str:

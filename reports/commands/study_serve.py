@@ -54,7 +54,10 @@ def serve_command(
     key: Key = None,
 ) -> None:
     """Serve a study, until Ctrl-C; without a file, the example study."""
+    from tempfile import TemporaryDirectory
+
     from reports.console import say
+    from studies.example_study import write_example
     from studies.page_build import page_folder
     from studies.response_store import ResponseStore
     from studies.server import make_app
@@ -64,15 +67,16 @@ def serve_command(
     if pilot and simulated:
         raise RelightlabError("expected --pilot or --simulated, got both: choose one")
     mode = "pilot" if pilot else "simulated" if simulated else "live"
-    file = study_file or _example_file()
-    study = load_study(file)
     page = page_folder()
-    store = ResponseStore(database or _default_database(file, mode), key_file=key)
-    # Anyone may try the example; a study of one's own is for whom the panel sends.
-    server = make_app(study, store, mode=mode, page=page, require_ids=study_file is not None)
-    say(f"study: {file}, {mode} sessions", f"answers: {store.database.url}")
-    serve_app(server, host, port, lambda address: say(f"{READY}{address} (Ctrl-C stops)"))
-    store.close()
+    with TemporaryDirectory() as folder:
+        study = load_study(study_file or write_example(folder))
+        store = ResponseStore(database or _default_database(study_file, mode), key_file=key)
+        # Anyone may try the example; a study of one's own is for whom the panel sends.
+        server = make_app(study, store, mode=mode, page=page, require_ids=study_file is not None)
+        say(f"study: {study_file or study.name}, {mode} sessions")
+        say(f"answers: {store.database.url}")
+        serve_app(server, host, port, lambda address: say(f"{READY}{address} (Ctrl-C stops)"))
+        store.close()
 
 
 @app.command("verify-codes")
@@ -150,16 +154,10 @@ def delete_subject_command(
         say(f"{one}: {store.delete_subject(one)} rows deleted")
 
 
-def _example_file() -> Path:
-    from datasets.locations import user_cache
-    from studies.example_study import write_example
-
-    return write_example(user_cache() / "example-study")
-
-
-def _default_database(study_file: Path, mode: str) -> Path:
+def _default_database(study_file: Path | None, mode: str) -> Path:
+    named = study_file or Path("example.toml")
     mark = "" if mode == "live" else f"-{mode}"
-    return study_file.with_name(f"{study_file.stem}{mark}.sqlite")
+    return named.with_name(f"{named.stem}{mark}.sqlite")
 
 
 def _opened(database: str, key: Path | None) -> ResponseStore:
