@@ -8,12 +8,11 @@ from typing import Any
 
 from reports.paper_study import forest_layout
 from reports.study_results import (
-    DEVIATION_KEYS,
-    RATE_KEYS,
     chosen_keys,
     mark_of_modes,
     plain_value,
 )
+from studies.analysis.rates import DEVIATION_COLUMNS, RATE_COLUMNS
 from studies.mapped_models import model_rows
 from studies.mapped_trials import MappedTrials, rate_rows, read_mapped
 from studies.trial_mapping import TrialMapping, read_mapping
@@ -71,8 +70,8 @@ def foreign_document(trials: MappedTrials, mapping: TrialMapping, source: str) -
         "mark": mark,
         "simulated": "simulated" in modes,
         "started": dict(trials.started),
-        "rates": chosen_keys(rates, RATE_KEYS),
-        "deviations": chosen_keys(rates, DEVIATION_KEYS),
+        "rates": chosen_keys(rates, RATE_COLUMNS),
+        "deviations": chosen_keys(rates, DEVIATION_COLUMNS),
         "published": [],
         "table3": [],
         "figures": forest_layout(rates),

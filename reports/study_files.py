@@ -9,10 +9,11 @@ from typing import Any
 from datasets.atomic import atomic_path
 from reports.content import Report, Table
 from reports.html_renderer import write_html
+from reports.paper_table3 import table3
 from reports.pdf_renderer import write_pdf
 from reports.result_files import write_csv, write_json
-from reports.study_report import PAGE, PRINTED, study_plots, study_report
-from reports.study_tables import table3
+from reports.study_report import PAGE, PRINTED, study_report
+from reports.study_sections import study_plots
 from reports.style import print_svg
 
 MARK_COLUMN = "mark"

@@ -15,8 +15,6 @@ from typing import Any
 from reports.content import (
     Block,
     Folded,
-    Judgement,
-    Judgements,
     Plot,
     Prose,
     Report,
@@ -25,32 +23,18 @@ from reports.content import (
     Table,
     tied_blocks,
 )
-from reports.figures import PlotFigure
 from reports.html_renderer import write_html
 from reports.pdf_renderer import write_pdf
 from reports.pictures import diverging_stops
-from reports.rows_behind import rows_behind
-from reports.study_figures import Panel, forest_figure
-from reports.study_flow_figure import flow_figure
-from reports.study_order_figure import order_figure
+from reports.study_sections import study_sections
 from reports.study_tables import (
-    consistency_table,
-    everyone_table,
-    exclusion_table,
     facts_table,
-    full_rates,
     marked,
-    model_table,
-    planned_table,
-    rates_tables,
-    table3,
 )
-from reports.study_words import NOTHING, Row, condition_words, interval, number_or_nan, percent
 from reports.table1_tables import rows_table
 from shading_model.errors import RelightlabError
 
 PAGE, PRINTED = "index.html", "report.pdf"
-CHANCE = 0.5
 KEYWORDS = ("user study", "two-alternative forced choice", "relighting", "Table 3")
 STAMPS = {
     "SIMULATED": "No people gave these answers: simulated observers did. The numbers test the"
@@ -62,11 +46,6 @@ STAMPS = {
 ROWS_CAPTION = (
     "The rows behind each table and figure, as parts of `study.json`. The hash is over the JSON"
     " text of the list of these parts, keys sorted, no spaces."
-)
-EXPLAINED = (
-    "Each rate is held against chance, 50 %, by its interval that allows for what the answers of"
-    " one subject have in common. “Does not hold” means that the data do not show it, not that"
-    " there is no difference; that is what the test of equivalence is for."
 )
 
 Document = Mapping[str, Any]
@@ -130,7 +109,7 @@ def study_report(document: Document) -> Report:
         lead=Prose(_lead(document), "lead"),
         stamps=stamps,
         teaser=None,
-        sections=tuple(_sections(document)),
+        sections=tuple(study_sections(document)),
         maker=f"Made by relightlab {version}".strip() + ".",
         stops=diverging_stops(),
     )
@@ -192,109 +171,6 @@ def require_marks(report: Report, mark: str) -> Report:
     if bare:
         raise RelightlabError(f"expected the mark {mark} on all of a report, missing on {bare[0]}")
     return report
-
-
-def study_plots(document: Document) -> tuple[Plot, ...]:
-    """Return all plots of a study: forest plots, side and half, exclusion flow.
-
-    Parameters
-    ----------
-    document : mapping
-
-    Returns
-    -------
-    tuple of Plot
-    """
-    mark = document["mark"]
-    order = order_figure(document["rates"], mark)
-    found: list[tuple[PlotFigure, tuple[str, ...]]] = [
-        (figure, ("rates", "deviations", "published")) for figure in _forests(document)
-    ]
-    found += [(order, ("rates",))] if order else []
-    found += (
-        [(flow_figure(document["started"], document["exclusions"], mark), ("exclusions",))]
-        if document["exclusions"]
-        else []
-    )
-    return tuple(
-        Plot(
-            replace(figure, caption=marked(document, figure.caption)), rows_behind(document, *parts)
-        )
-        for figure, parts in found
-    )
-
-
-def _forests(document: Document) -> Iterable[PlotFigure]:
-    rates = [row for row in full_rates(document) if row["group"] != "side"]
-    for figure in document["figures"]:
-        panels = [_titled(rates, document["published"], one) for one in figure["conditions"]]
-        words = (figure["identifier"], figure["title"], figure["caption"])
-        yield forest_figure(*words, panels, document["mark"])
-
-
-def _titled(rates: Iterable[Row], published: Iterable[Row], condition: Row) -> Panel:
-    pair = (condition["task"], condition["condition"])
-    own, theirs = (
-        [row for row in rows if (row["task"], row["condition"]) == pair]
-        for rows in (rates, published)
-    )
-    return Panel(condition["title"], own, theirs)
-
-
-def _sections(document: Document) -> Iterable[Section]:
-    yield _finding_section(document)
-    if document["table3"]:
-        yield Section("insertions", "Inserted against real", (table3(document),))
-    plots = {plot.figure.identifier: plot for plot in study_plots(document)}
-    asides = {name: plots.pop(name, None) for name in ("side-and-half", "exclusion-flow")}
-    for identifier, plot in plots.items():
-        yield Section(identifier, plot.figure.title, (plot,))
-    yield Section("rates", "All rates", (rates_tables(document),))
-    if document["tests"]:
-        yield Section("planned-tests", "Planned tests", (planned_table(document),))
-    if (order := asides["side-and-half"]) is not None:
-        yield Section("order", order.figure.title, (order,))
-    if document["models"]:
-        notes = tuple(Prose(f"{note[:1].upper()}{note[1:]}.") for note in document["notes"])
-        yield Section("model-terms", "Models", (model_table(document), *notes))
-    if (flow := asides["exclusion-flow"]) is not None:
-        whole = [everyone_table(document)] if document["rates_with_everyone"] else []
-        yield Section("flow", flow.figure.title, (flow, exclusion_table(document), *whole))
-    if document["consistency"]:
-        yield _consistency_section(document)
-
-
-def _finding_section(document: Document) -> Section:
-    every = [row for row in document["rates"] if row["group"] == "all"]
-    items = tuple(_judgement(row) for row in every if row["rate"] is not None)
-    return Section("findings", "What was found", (Prose(EXPLAINED), Judgements(items)))
-
-
-def _judgement(row: Row) -> Judgement:
-    low, high = (number_or_nan(row[f"cluster_{end}"]) for end in ("low", "high"))
-    apart = low > CHANCE or high < CHANCE
-    where = "above" if row["rate"] > CHANCE else "below"
-    words = condition_words(row["task"], row["condition"])
-    ends = interval(row["cluster_low"], row["cluster_high"])
-    return Judgement(
-        "holds" if apart else "does not hold",
-        f"{words}: chosen {where} chance",
-        f"{percent(row['rate'])} % of {row['trials']} trials of {row['subjects']} subjects",
-        "" if ends == NOTHING else f"95 % by subject {ends}",
-    )
-
-
-def _consistency_section(document: Document) -> Section:
-    rows = document["consistency"]
-    below = sum(row["below"] for row in rows)
-    text = (
-        f"Of the {len(rows)} deviations printed in the paper's Table 3, {below} are below the"
-        " binomial standard error of their rate by more than rounding explains. This concerns the"
-        " published numbers alone, not the answers analysed here."
-    )
-    title = "The published deviations"
-    odd = tuple(Prose(sentence) for sentence in document["disagreements"])
-    return Section("consistency", title, (Prose(text), consistency_table(document), *odd))
 
 
 def _lead(document: Document) -> str:

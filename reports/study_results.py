@@ -7,17 +7,19 @@
 ``started``
     ``subjects`` and ``trials`` before anything was left out.
 ``rates``
-    Rows with the keys `RATE_KEYS`; shares from 0 to 1, None where there is none.
+    Rows with the keys `studies.analysis.rates.RATE_COLUMNS`; shares from 0 to 1, None where there is
+    none. ``rates_with_everyone`` are those before exclusions.
 ``deviations``
-    The paper's own mean and deviation for the same rows, `DEVIATION_KEYS`.
+    The paper's own mean and deviation for the same rows, ``mean`` and ``deviation``.
 ``models``
-    Rows ``model, term, estimate, se``, in log-odds.
+    Rows ``model, term, estimate, se``, in log-odds; ``notes`` are sentences about them.
 ``tests``
-    Rows ``family, test, estimate, low, high, p, p_holm, result`` and two texts.
+    Planned tests, `studies.analysis.planned_tests.TEST_COLUMNS`.
 ``exclusions``
-    Rows ``reason, subjects, trials, remaining_subjects, remaining_trials``, in order.
-``published, consistency``
-    The paper's rates, and whether their printed deviations can be.
+    Rows ``reason, subjects, trials, remaining_subjects, remaining_trials``, in order;
+    ``excluded`` has a row for each subject.
+``published, consistency, disagreements``
+    The paper's rates, whether their printed deviations can be, and where they disagree.
 ``table3, figures``
     Which conditions belong in Table 3 and in each forest plot.
 ``provenance``
@@ -30,13 +32,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-NAMES = ("task", "condition", "group", "level")
-ENDS = tuple(f"{name}_{end}" for name in ("wilson", "cluster", "twoway") for end in ("low", "high"))
-RATE_KEYS = (*NAMES, "trials", "subjects", "rate", *ENDS)
-DEVIATION_KEYS = (*NAMES, "mean", "deviation")
 MARKED_MODES = ("simulated", "pilot")
-JSON_KEYS = ("rates", "models", "exclusions", "simulated")
-"""What everybody may rely on in the file of ``--json``."""
 
 
 def mark_of_modes(modes: Iterable[object]) -> str:

@@ -101,7 +101,7 @@ def percent(value: Any, digits: int = 1) -> str:
     ('44.0', '–')
     """
     number = number_or_nan(value)
-    return f"{100 * number:.{digits}f}" if math.isfinite(number) else NOTHING
+    return decimal(100 * number, digits)
 
 
 def interval(low: Any, high: Any, digits: int = 1) -> str:
@@ -122,7 +122,7 @@ def interval(low: Any, high: Any, digits: int = 1) -> str:
     ('−1.4 to 47.0', '–')
     """
     ends = [percent(end, digits) for end in (low, high)]
-    return NOTHING if NOTHING in ends else " to ".join(ends).replace("-", "−")  # noqa: RUF001
+    return NOTHING if NOTHING in ends else " to ".join(ends)
 
 
 def decimal(value: Any, digits: int = 3) -> str:
