@@ -7,8 +7,8 @@
 ``started``
     ``subjects`` and ``trials`` before anything was left out.
 ``rates``
-    Rows with the keys `studies.analysis.rates.RATE_COLUMNS`; shares from 0 to 1, None where there is
-    none. ``rates_with_everyone`` are those before exclusions.
+    Rows with the keys `studies.analysis.rates.RATE_COLUMNS`; shares from 0 to 1, None where there
+    is none. ``rates_with_everyone`` are those before exclusions.
 ``deviations``
     The paper's own mean and deviation for the same rows, ``mean`` and ``deviation``.
 ``models``

@@ -11,10 +11,13 @@ import numpy as np
 import pandas as pd
 
 from shading_model.errors import RelightlabError, unknown_name
-from studies.analysis.rates import Row, rate_row
+from studies.analysis.rates import Row
+from studies.analysis.rates import rate_rows as trial_rates
 from studies.trial_mapping import TrialMapping
 
 SIDES = ("left", "right")
+ALPHA = 0.05
+"""Intervals cover 1 - ALPHA."""
 HALVES = ("1st half", "2nd half")
 TRUE, FALSE = {"1", "1.0", "true", "yes"}, {"0", "0.0", "false", "no"}
 
@@ -132,16 +135,13 @@ def rate_rows(mapped_trials: MappedTrials, task: str) -> Iterator[Row]:
     Yields
     ------
     dict
-        As `studies.analysis.rates.rate_row` gives them.
+        As `studies.analysis.rates.rate_rows` gives them.
     """
     trials, frame = mapped_trials.trials, mapped_trials.frame
-    groups = {"all": pd.Series("all", trials.index)}
-    groups |= {name: frame[name].astype(str) for name in mapped_trials.groups}
+    groups = {name: frame[name] for name in mapped_trials.groups}
     groups |= {name: trials[name] for name in ("half", "side") if name in trials}
-    for condition, own in trials.groupby("condition", sort=True):
-        for group, levels in groups.items():
-            for level, rows in own.groupby(levels.loc[own.index], sort=True):
-                yield rate_row(task, str(condition), group, str(level), rows)
+    levels = {name: column.astype("category") for name, column in groups.items()}
+    yield from trial_rates(trials.assign(task=task), levels, ALPHA)
 
 
 def _kept(frame: pd.DataFrame, mapping: TrialMapping) -> tuple[pd.DataFrame, tuple[Row, ...]]:
