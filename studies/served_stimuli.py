@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageCms, ImageOps
 
 from shading_model.errors import RelightlabError
@@ -73,6 +74,8 @@ def plain_png(path: Path) -> bytes:
         with Image.open(path) as opened:
             upright = ImageOps.exif_transpose(opened)
             profile = upright.info.get("icc_profile")
+            if upright.mode.startswith("I"):
+                upright = _eight_bits(upright)
             picture = upright.convert(_PLAIN_MODES.get(upright.mode, "RGB"))
             if profile and picture.mode == "RGB":
                 picture = _to_srgb(picture, profile)
@@ -82,6 +85,11 @@ def plain_png(path: Path) -> bytes:
     stream = BytesIO()
     picture.save(stream, "PNG")
     return stream.getvalue()
+
+
+def _eight_bits(picture: Image.Image) -> Image.Image:
+    # Pillow would cut off all above 255 as white.
+    return Image.fromarray(np.rint(np.asarray(picture) / 257.0).astype(np.uint8))
 
 
 def _to_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
