@@ -33,7 +33,13 @@ class ForeignFile:
     rows: pd.DataFrame
 
     def need(self, columns: Sequence[str]) -> None:
-        """Check that the file has these columns."""
+        """Check that the file has these columns.
+
+        Raises
+        ------
+        RelightlabError
+            If it lacks one.
+        """
         lacking = [column for column in columns if column not in self.rows.columns]
         if lacking:
             raise RelightlabError(

@@ -32,7 +32,7 @@ from studies.foreign_rows import (
 )
 from studies.questionnaire_answers import subject_columns
 from studies.secret_key import SecretKey
-from studies.tables import StudyData, score
+from studies.tables import StudyData, closing_results, score
 
 JSON_ANSWERS = "Answer.taskAnswers"
 _TRIAL_COLUMN = re.compile(
@@ -95,8 +95,9 @@ def read_mturk(path: Path, name: str, key: SecretKey) -> StudyData:
         subject_columns(dict(zip(own["question"], own["answer"], strict=True)))
         for own in (answers[answers["subject"] == one] for one in subjects["subject"])
     ]
-    whole = imported_subjects(subjects.join(pd.DataFrame(told)), name)
-    return StudyData(whole, _trials(file, subject, submitted, name), answers)
+    trials = _trials(file, subject, submitted, name)
+    whole = subjects.join(pd.DataFrame(told)).merge(closing_results(trials), "left", "subject")
+    return StudyData(imported_subjects(whole, name), trials, answers)
 
 
 def _trials(
@@ -148,6 +149,8 @@ def _questionnaire(file: ForeignFile, subject: pd.Series[str]) -> pd.DataFrame:
         and c != JSON_ANSWERS
         and not _TRIAL_COLUMN.fullmatch(str(c))
     ]
+    if not names:
+        return pd.DataFrame(columns=["subject", "question", "answer"])
     table = file.rows[names].rename(columns=lambda column: column.removeprefix("Answer."))
     # Of several assignments of a worker only one need repeat the questionnaire.
     filled = table.assign(subject=subject).groupby("subject").transform(lambda v: v.ffill().bfill())

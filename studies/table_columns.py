@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -146,7 +147,8 @@ def checked_column(table: str, values: pd.Series, column: Column) -> pd.Series:
             f" {_first(absent)}: expected {_expected(column)}"
         )
     wrong = ~absent
-    wrong[wrong] = ~_fits(objects[wrong], column)
+    if wrong.any():
+        wrong[wrong] = ~_fits(objects[wrong], column)
     if wrong.any():
         row = _first(wrong)
         raise RelightlabError(
@@ -175,7 +177,7 @@ def _fits(values: Objects, column: Column) -> Mask:
         return fits & _are_moments(values) if column.kind == "time" else fits
     fits = _are(values, *NUMBERS) & ~_are(values, bool)
     # A comparison is safe for whole numbers too large for any float, and false for NaN.
-    largest = EXACT if column.kind == "whole" else np.finfo(np.float64).max
+    largest = EXACT if column.kind == "whole" else sys.float_info.max
     fits[fits] = [-largest <= value <= largest for value in values[fits]]
     if column.kind == "whole":
         fits[fits] = values[fits].astype(np.float64) % 1 == 0

@@ -263,7 +263,7 @@ def _check_keys(name: str, table: pd.DataFrame) -> None:
     twice = table.duplicated(keys).to_numpy() if keys else np.zeros(0, dtype=bool)
     if twice.any():
         row = table.loc[int(np.flatnonzero(twice)[0]), keys]
-        which = ", ".join(f"{key} {row[key]!r}" for key in keys)
+        which = ", ".join(f"{key} {value!r}" for key, value in row.to_dict().items())
         raise RelightlabError(f"the {name} hold {which} twice: keep one row of it")
 
 
