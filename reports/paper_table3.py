@@ -8,7 +8,7 @@ from typing import Any
 from reports.content import Cell, Group, Table
 from reports.rows_behind import rows_behind
 from reports.study_tables import Key, full_rates, marked, rows_by_name
-from reports.study_words import GROUPS, NOTHING, Row, interval, level_words, percent
+from reports.study_words import GROUPS, NOTHING, Row, counted, interval, level_words, percent
 
 Document = Mapping[str, Any]
 
@@ -109,7 +109,7 @@ def _measured_cells(row: Row | None) -> list[Cell]:
         return [Cell(NOTHING, edge=True), Cell("not measured", role="absent")]
     ends = interval(row["cluster_low"], row["cluster_high"])
     return [
-        Cell(str(row["trials"]), note=f"{row['subjects']} subjects", edge=True),
+        Cell(str(row["trials"]), note=counted(row["subjects"], "subject"), edge=True),
         Cell(_with_deviation(row), role="ours", note=ends),
     ]
 
@@ -123,4 +123,4 @@ def _with_deviation(row: Row | None) -> str:
 
 
 def _trials(row: Row | None) -> str:
-    return "" if row is None else f"{row['trials']} trials"
+    return "" if row is None else counted(row["trials"], "trial")

@@ -20,9 +20,9 @@ BAR, OFFSET = 0.46, 0.36
 ROW_INCHES = 0.44
 INTERVALS = {"wilson": ("Wilson", OFFSET, BLUE), "cluster": ("by subject", -OFFSET, VERMILION)}
 CAPTION = (
-    " Bars are rates with whiskers of two of the paper's deviations; above each bar the Wilson"
-    " interval, below it the cluster-robust one by subject, both of 95 %. The dotted line is"
-    " chance."
+    " Bars are rates with whiskers of two deviations, as the paper's: of the mean over subjects."
+    " Above each bar is the Wilson interval, below it the cluster-robust one by subject, both of"
+    " 95 %. The dotted line is chance."
 )
 PUBLISHED = " Open circles are the published rates."
 

@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from reports.figures import PlotFigure
 from reports.study_figures import draw_mark
-from reports.study_words import Row
+from reports.study_words import Row, counted
 from reports.style import BLUE, INK, VERMILION, page_svg, plot_style
 
 WIDTH = 9.6
@@ -87,11 +87,11 @@ def _box(
     )
     shown = words if len(words) <= LONGEST else words[: LONGEST - 1] + "…"
     axis.text(x, y + 0.16, shown, ha="center", va="center", fontweight="bold")
-    counts = f"{subjects} subjects, {trials} trials"
+    counts = f"{counted(subjects, 'subject')}, {counted(trials, 'trial')}"
     axis.text(x, y - 0.2, counts, ha="center", va="center")
 
 
 def _description(started: Row, steps: Sequence[Row]) -> str:
     left = "; ".join(f"{step['subjects']}, {step['reason']}" for step in steps) or "nobody"
     remain = steps[-1]["remaining_subjects"] if steps else started["subjects"]
-    return f"{started['subjects']} subjects started. Left out: {left}. {remain} remain."
+    return f"{counted(started['subjects'], 'subject')} started. Left out: {left}. {remain} remain."

@@ -13,7 +13,7 @@ from reports.study_words import NOTHING, Row, decimal, number_or_nan, probabilit
 
 DIGITS = {"logLik": 2, "nobs": 0}
 """Digits of what is no coefficient; coefficients have three."""
-MOST_TERMS = 8
+MOST_TERMS = 9
 """More terms than this do not fit beside each other: then models are put in several tables."""
 CAPTION = (
     "Models of the choice, in log-odds: below each coefficient its standard error and p. Mixed"

@@ -31,6 +31,7 @@ from reports.study_tables import (
     facts_table,
     marked,
 )
+from reports.study_words import counted
 from reports.table1_tables import rows_table
 from shading_model.errors import RelightlabError
 
@@ -178,10 +179,10 @@ def _lead(document: Document) -> str:
     left = sum(step["subjects"] for step in steps)
     trials = steps[-1]["remaining_trials"] if steps else started["trials"]
     remain = steps[-1]["remaining_subjects"] if steps else started["subjects"]
-    gone = f", after {left} were left out by rules fixed beforehand" if left else ""
+    gone = f" ({left} were left out by the rules below)" if left else ""
     return (
-        f"In each trial a subject chose between two pictures. This report analyses {trials} trials"
-        f" of {remain} subjects{gone}, from {{{document['source']}}}."
+        f"How often was the target chosen? This report analyses {counted(trials, 'trial')} of"
+        f" {counted(remain, 'subject')}{gone}, from {{{document['source']}}}."
     )
 
 

@@ -28,7 +28,7 @@ from reports.study_tables import (
     rates_tables,
 )
 from reports.study_test_tables import planned_tables
-from reports.study_words import EVERYBODY, NOTHING, Row, interval, number_or_nan, percent
+from reports.study_words import EVERYBODY, NOTHING, Row, counted, interval, number_or_nan, percent
 
 CHANCE = 0.5
 EXPLAINED = (
@@ -144,7 +144,8 @@ def _judgement(title: str, row: Row) -> Judgement:
     return Judgement(
         "not shown" if where == "apart from" else "holds",
         f"{title}: {where} chance",
-        f"{percent(row['rate'])} % of {row['trials']} trials of {row['subjects']} subjects",
+        f"{percent(row['rate'])} % of {counted(row['trials'], 'trial')} of"
+        f" {counted(row['subjects'], 'subject')}",
         "" if ends == NOTHING else f"95 % by subject {ends}",
     )
 

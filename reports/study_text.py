@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from reports.study_words import condition_words, interval, level_words, percent
+from reports.study_words import condition_words, counted, interval, level_words, percent
 
 COLUMNS = ("condition", "subpopulation", "trials", "subjects", "%", "Wilson", "by subject", "items")
 
@@ -64,9 +64,11 @@ def summary_lines(document: Mapping[str, Any]) -> list[str]:
      'PILOT DATA: not the result of a study']
     """
     started = document["started"]
-    lines = [f"{started['subjects']} subjects started, with {started['trials']} trials"]
+    people, answers = counted(started["subjects"], "subject"), counted(started["trials"], "trial")
+    lines = [f"{people} started, with {answers}"]
     lines += [
-        f"left out: {step['subjects']} subjects, {step['trials']} trials: {step['reason']}"
+        f"left out: {counted(step['subjects'], 'subject')}, {counted(step['trials'], 'trial')}:"
+        f" {step['reason']}"
         for step in document["exclusions"]
         if step["subjects"] or step["trials"]
     ]

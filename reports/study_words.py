@@ -83,6 +83,26 @@ def number_or_nan(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
+def counted(count: int, word: str) -> str:
+    """Return a count with its noun, which takes an s for more than one.
+
+    Parameters
+    ----------
+    count : int
+    word : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> counted(1, "subject"), counted(0, "trial")
+    ('1 subject', '0 trials')
+    """
+    return f"{count} {word}" if count == 1 else f"{count} {word}s"
+
+
 def percent(value: Any, digits: int = 1) -> str:
     """Return a share in percent, without its sign, a dash where there is none.
 
