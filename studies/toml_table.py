@@ -106,7 +106,13 @@ class TomlTable:
         return tuple(value)
 
     def choice(self, key: str, known: Collection[str]) -> str:
-        """Return one of the known words."""
+        """Return one of the known words.
+
+        Raises
+        ------
+        RelightlabError
+            If the word is another, with the nearest known one.
+        """
         value = self.text(key)
         if value not in known:
             raise unknown_name(f"{key} in {self.place}", value, known)
