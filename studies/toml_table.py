@@ -10,7 +10,7 @@ from typing import Any
 
 from shading_model.errors import RelightlabError, unknown_name
 
-NAME = re.compile(r"[a-z0-9]+(?:[._-][a-z0-9]+)*")
+NAME = re.compile(r"[A-Za-z0-9]+(?:[._-][A-Za-z0-9]+)*")
 LONGEST_NAME = 60
 LONGEST_TEXT = 20_000
 # Tabs and line ends are text; other control characters are a slip that no reader would see.
@@ -54,13 +54,12 @@ class TomlTable:
         return value.strip()
 
     def name(self, key: str, default: str | None = None) -> str:
-        """Return a name of small letters and digits with '-', '_' or '.' between them."""
+        """Return a name of letters and digits with '-', '_' or '.' between them."""
         value = self.text(key, default)
         if not NAME.fullmatch(value) or len(value) > LONGEST_NAME:
             raise self.fault(
                 key,
-                "small letters and digits with '-', '_' or '.' between them,"
-                f" at most {LONGEST_NAME}",
+                f"letters and digits with '-', '_' or '.' between them, at most {LONGEST_NAME}",
             )
         return value
 

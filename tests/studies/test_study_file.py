@@ -113,7 +113,7 @@ WRONG = [
     ('real = "photo.png"', 'photo = "photo.png"', "Unknown key in .*cartoon 'photo'"),
     ("minimum_median_ms", "minimum_median", "exclusions.*Did you mean 'minimum_median_ms'"),
     ('name = "small"', "", "expected name to be a text that is not empty, got nothing"),
-    ('name = "small"', 'name = "A Study"', "small letters and digits .* got 'A Study'"),
+    ('name = "small"', 'name = "A Study"', "letters and digits .* got 'A Study'"),
     ('name = "small"', "name = 3", "expected name to be a text that is not empty, got 3"),
     ('consent = "Consent."', 'consent = " "', "expected consent to be a text that is not empty"),
     ('consent = "Consent."', r'consent = "a\u0007"', "expected consent to be a text"),
