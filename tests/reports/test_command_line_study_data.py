@@ -101,6 +101,23 @@ def test_a_mapping_tells_what_columns_mean(
     assert "0 of 1 participants are subjects" in capsys.readouterr().out
 
 
+def test_pilots_are_exported_apart(
+    study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An export has no pilots unless they are asked for, and then says that they are."""
+    from studies.study_file import load_study
+
+    store = ResponseStore(tmp_path / "a.sqlite")
+    for mode in ("live", "pilot"):
+        store.open_session(load_study(study_file), mode=mode)
+    store.close()
+    command = ["study", "export", str(tmp_path / "a.sqlite"), "--out", str(tmp_path / "export")]
+    for more, modes in (([], ["live"]), (["--pilot"], ["pilot"])):
+        assert run([*command, *more]) == 0
+        assert ("of a pilot" in capsys.readouterr().out) is bool(more)
+        assert read_export(tmp_path / "export").subjects["mode"].tolist() == modes
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
