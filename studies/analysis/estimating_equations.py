@@ -20,7 +20,7 @@ from statsmodels.genmod.generalized_estimating_equations import GEE
 
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
-from studies.analysis.mixed_model import check_answers, check_columns
+from studies.analysis.mixed_model import LARGEST_LOG_ODDS, check_answers, check_columns
 
 Working = Literal["exchangeable", "independence"]
 _STRUCTURES = {"exchangeable": Exchangeable, "independence": Independence}
@@ -101,7 +101,8 @@ def fit_estimating_equations(
             estimate, errors = np.asarray(fit.params), np.asarray(fit.bse)
     except (ValueError, np.linalg.LinAlgError, AttributeError) as error:
         raise RelightlabError(_UNSOLVED) from error
-    if not (np.isfinite(estimate).all() and np.isfinite(errors).all() and fit.converged):
+    finite = np.isfinite(estimate).all() and np.isfinite(errors).all() and fit.converged
+    if not finite or np.abs(matrix @ estimate).max() > LARGEST_LOG_ODDS:
         raise RelightlabError(_UNSOLVED)
     alpha = float(structure.dep_params) if working == "exchangeable" else None
     return EstimatingFit(tuple(terms), estimate, errors, alpha, len(answers), len(levels))

@@ -104,7 +104,7 @@ def study_columns(trials: pd.DataFrame) -> tuple[Float, tuple[str, ...]]:
 
 
 def strengths_of(trials: pd.DataFrame, others: Mapping[str, str], alpha: float) -> FittedModels:
-    """Fit Bradley and Terry's strengths where several methods meet in several tasks.
+    """Fit Bradley and Terry's strengths wherever three methods or more meet.
 
     Parameters
     ----------
@@ -117,23 +117,38 @@ def strengths_of(trials: pd.DataFrame, others: Mapping[str, str], alpha: float) 
     Returns
     -------
     FittedModels
-        One model, ``bradley_terry``, or a note; nothing where fewer than three methods meet.
+        For each set of methods that meet, directly or through others, a model
+        ``bradley_terry: ...`` or a note.
     """
     models = FittedModels([], {}, [])
     known = trials[trials["task"].isin(list(others))]
+    first = known["condition"].astype(str)
     second = known["task"].map(dict(others)).astype(str)
-    if len({*known["condition"], *second}) < 3:
-        return models
-    first = known["condition"].astype(str).tolist()
-    try:
-        fit = bradley_terry(
-            known["chose_target"], first, second.tolist(), known["subject"].to_numpy(), alpha
-        )
-    except RelightlabError as error:
-        models.notes.append(f"bradley_terry was not fitted: {error}")
-        return models
-    models.rows.extend(strength_rows("bradley_terry", fit))
+    for methods in _meeting(set(zip(first, second, strict=True))):
+        own = first.isin(methods).to_numpy()
+        model = f"bradley_terry: {', '.join(sorted(methods))}"
+        try:
+            fit = bradley_terry(
+                known["chose_target"][own],
+                first[own].tolist(),
+                second[own].tolist(),
+                known["subject"].to_numpy()[own],
+                alpha,
+            )
+        except RelightlabError as error:
+            models.notes.append(f"{model} was not fitted: {error}")
+            continue
+        models.rows.extend(strength_rows(model, fit))
     return models
+
+
+def _meeting(pairs: set[tuple[str, str]]) -> list[set[str]]:
+    """Sets of three methods or more that are linked by pairs."""
+    sets: list[set[str]] = []
+    for pair in sorted(pairs):
+        linked = [one for one in sets if one & set(pair)]
+        sets = [one for one in sets if one not in linked] + [set(pair).union(*linked)]
+    return [one for one in sets if len(one) > 2]
 
 
 def _sets(trials: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
