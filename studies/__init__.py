@@ -2,10 +2,10 @@
 
 Design
     `study_file` reads a study into `study_records`, section by section (`toml_table`,
-    `study_pairs`, `study_sections`, `study_plan`) with its pictures (`stimulus_files`). `schedules` and
-    `side_sequences` decide who sees what, `balance` counts it, `power` (with `power_simulation`)
-    says how many subjects are needed. `example_study` (with `example_pictures`) is a whole study,
-    `bare_study` one without pictures.
+    `study_pairs`, `study_sections`, `study_plan`) with its pictures (`stimulus_files`).
+    `schedules` and `side_sequences` decide who sees what, `balance` counts it, `power` (with
+    `power_simulation`) says how many subjects are needed. `example_study` (with
+    `example_pictures`) is a whole study, `bare_study` one without pictures.
 Serving
     `serving` and `server_process` start the `server`: `session_assignment`, `session_documents`,
     `served_stimuli`, `request_schemas`, `request_limits`, `completion_codes`, `secret_key`.
