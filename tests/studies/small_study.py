@@ -44,3 +44,48 @@ def answer(**changes: Any) -> dict[str, Any]:
     """Return the body of an answer."""
     body = {"response": "left", "shown_ms": 900.5, "reaction_ms": 850.25, "blur_events": 0}
     return body | {"display_width": 1280.0, "display_height": 720.0} | changes
+
+
+SMALL_FILE = """
+name = "served"
+title = "A small study"
+seed = 1
+consent = "Consent."
+instructions = "Instructions."
+
+[[tasks]]
+name = "real"
+title = "Ours against real"
+target = "ours"
+other = "real"
+target_files = "{pair}-a.png"
+other_files = "{pair}-b.png"
+pairs = ["one", "two", "three"]
+
+[[closing]]
+name = "spheres"
+plausible = "s-a.png"
+implausible = "s-b.png"
+
+[[closing]]
+name = "perspective"
+plausible = "p-a.png"
+implausible = "p-b.png"
+
+[[questionnaire]]
+name = "age"
+text = "How old are you?"
+kind = "number"
+minimum = 18
+required = true
+"""
+
+
+def write_small_study(folder: Path) -> Path:
+    """Write the file of a study of five trials, with its pictures, and return the file."""
+    for number, name in enumerate(("one", "two", "three", "s", "p")):
+        for side, letter in enumerate("ab"):
+            noise = np.random.default_rng(2 * number + side).integers(0, 255, (6, 8, 3))
+            Image.fromarray(noise.astype(np.uint8)).save(folder / f"{name}-{letter}.png")
+    (folder / "study.toml").write_text(SMALL_FILE, encoding="utf-8")
+    return folder / "study.toml"
