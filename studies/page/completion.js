@@ -3,11 +3,11 @@
 import { action, paragraph, showScreen } from "./notices.js";
 import { insist } from "./server.js";
 
-// Resolves when nothing waits any more; never if the server refuses something.
-function everythingSent(outbox, onChanged) {
+// Resolves when nothing of this session waits any more; never if the server refuses something.
+function everythingSent(token, outbox, onChanged) {
   return new Promise((resolve) => {
     const check = () => {
-      if (outbox.state === "saved") resolve();
+      if (!outbox.unsent.some(({ path }) => path.includes(`/${token}/`))) resolve();
     };
     onChanged(check);
     check();
@@ -16,7 +16,7 @@ function everythingSent(outbox, onChanged) {
 
 export async function complete({ token, ids, outbox, store, onChanged }) {
   showScreen("Sending your answers", paragraph("Please keep this page open for a moment."));
-  await everythingSent(outbox, onChanged);
+  await everythingSent(token, outbox, onChanged);
   const answer = await insist("POST", `api/sessions/${token}/completion`, {}, (failures) => {
     if (failures === 3) {
       showScreen(
@@ -80,12 +80,12 @@ function copyButton(code) {
 }
 
 function redirectLink(redirect) {
-  if (!redirect || !URL.canParse(redirect)) return null;
-  if (!["http:", "https:"].includes(new URL(redirect).protocol)) return null;
+  if (!redirect) return null;
   const link = document.createElement("a");
+  link.href = redirect;
+  if (!["http:", "https:"].includes(link.protocol)) return null;
   link.id = "redirect";
   link.className = "jspsych-btn";
-  link.href = redirect;
   link.textContent = "Finish, and go back to where you came from";
   return link;
 }

@@ -58,13 +58,18 @@ function refused(outbox) {
       "The server did not accept some of your answers. They are kept in this browser. " +
         "Please save them as a file and send it to whoever invited you.",
     ),
-    action("Save my answers as a file", () => download(outbox)),
+    action("Save my answers as a file", (event) => {
+      download(outbox);
+      const { parentElement } = event.target;
+      if (parentElement.childElementCount > 2) return;
+      parentElement.append(action("I have sent the file", () => outbox.forgetRefused()));
+    }),
   ];
 }
 
 // All that the server has not acknowledged, with the requests that would bring it there.
 function download(outbox) {
-  const unsent = { unsent: [...outbox.refused, ...outbox.waiting] };
+  const unsent = { unsent: outbox.unsent };
   const file = new Blob([JSON.stringify(unsent, null, 2)], { type: "application/json" });
   const link = document.createElement("a");
   link.href = URL.createObjectURL(file);

@@ -26,7 +26,7 @@ export class Outbox {
     this.#store = store;
     this.#onChange = onChange;
     // What the server refused on an earlier visit may have been its fault, so it is tried again.
-    this.#store.set("outbox", [...store.get("refused", []), ...store.get("outbox", [])]);
+    this.#store.set("outbox", this.unsent);
     this.#store.remove("refused");
     window.addEventListener("online", () => this.retry());
     document.addEventListener("visibilitychange", () => {
@@ -36,6 +36,11 @@ export class Outbox {
 
   get waiting() {
     return this.#store.get("outbox", []);
+  }
+
+  // All that the server has not acknowledged.
+  get unsent() {
+    return [...this.refused, ...this.waiting];
   }
 
   get refused() {
@@ -59,6 +64,12 @@ export class Outbox {
     this.#failures = Math.min(this.#failures, FAILURES_BEFORE_NOTICE);
     this.#wake();
     this.#send();
+  }
+
+  // Once the file with them is in someone's hands.
+  forgetRefused() {
+    this.#store.remove("refused");
+    this.#onChange();
   }
 
   // Another tab has taken over what is written down here.

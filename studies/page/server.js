@@ -5,6 +5,8 @@ const TEMPORARY = new Set([408, 425, 429]);
 
 // {ok, status, temporary, retryAfterMs, body}; `status` is 0 where there was no answer at all.
 export async function request(method, path, body) {
+  const limit = new AbortController();
+  const timer = setTimeout(() => limit.abort(), TIME_LIMIT_MS);
   try {
     const response = await fetch(path, {
       method,
@@ -13,11 +15,13 @@ export async function request(method, path, body) {
       cache: "no-store",
       credentials: "same-origin",
       keepalive: method !== "GET",
-      signal: AbortSignal.timeout(TIME_LIMIT_MS),
+      signal: limit.signal,
     });
     return await read(response);
   } catch {
     return { ok: false, status: 0, temporary: true, retryAfterMs: 0, body: null };
+  } finally {
+    clearTimeout(timer);
   }
 }
 

@@ -134,7 +134,7 @@ class Visit {
 
   #isWaiting(place) {
     const path = this.#path(place);
-    return [...this.outbox.waiting, ...this.outbox.refused].some((entry) => entry.path === path);
+    return this.outbox.unsent.some((entry) => entry.path === path);
   }
 
   #send(place, body) {
@@ -186,4 +186,12 @@ function unreachable(failures) {
   );
 }
 
-await new Visit(new Store()).start();
+if (typeof initJsPsych === "undefined") {
+  showScreen(
+    "The study did not load whole",
+    paragraph("Please check that you are connected to the network, and load this page again."),
+    action("Load again", () => location.reload()),
+  );
+} else {
+  await new Visit(new Store()).start();
+}

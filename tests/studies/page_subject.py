@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from selenium.common.exceptions import (
     ElementNotInteractableException,
     StaleElementReferenceException,
@@ -94,18 +96,24 @@ class PageSubject:
             Whether by Tab and Enter.
         """
         for _ in range(8):
-            wait_until(
-                lambda: self.heading() and not self.heading().startswith("Loading"), "a screen"
-            )
-            before = self.heading()
+            before = self._next_heading("", "Loading the pictures", "Sending your answers")
             if until in before or (until == "Pair" and self.all(".picture")):
                 return
             if by_key:
                 self.press(Keys.TAB, Keys.ENTER)
             else:
                 self.click("#study button")
-            wait_until(lambda: self.heading() != before, f"what follows {before!r}")  # noqa: B023
+            self._next_heading(before)
         raise AssertionError(f"no screen {until!r}, but {self.heading()!r}")
+
+    def _next_heading(self, *passing: str) -> str:
+        """Wait for a heading other than these and return it."""
+        seen = [passing[0]]
+        wait_until(
+            lambda: seen.append(self.heading()) or seen[-1] not in passing,
+            f"what follows {passing[0]!r}",
+        )
+        return seen[-1]
 
     def answer_pairs(self, first: int, last: int, key: str = "1") -> None:
         """Answer pairs, counted from 1, by a key."""
@@ -119,6 +127,12 @@ class PageSubject:
         self.click("input[type=radio][value=female]")
         self.all("input[type=number]")[0].send_keys(age)
         self.all("textarea")[0].send_keys(comment)
+
+    def save_file(self, folder: Path) -> None:
+        """Ask the page for the file with the unsent answers."""
+        behavior = {"behavior": "allow", "downloadPath": str(folder)}
+        self.browser.execute_cdp_cmd("Browser.setDownloadBehavior", behavior)
+        self.click("#notice button:last-of-type")
 
     def has_overflow(self) -> bool:
         """Return whether the page is wider than the window."""

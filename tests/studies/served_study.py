@@ -81,6 +81,11 @@ class ServedStudy:
         """Return all that is stored, pilots too."""
         return self._store.read(MODES)
 
+    def forget_subjects(self) -> None:
+        """Delete every subject."""
+        for subject in self.read().subjects["subject"]:
+            self._store.delete_subject(subject)
+
     def answered(self) -> list[int]:
         """Return the trials that are stored, in their order."""
         return sorted(self.read().trials["trial"].tolist())

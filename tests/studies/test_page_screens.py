@@ -211,6 +211,28 @@ def test_window_too_small(subject: PageSubject, served: ServedStudy) -> None:
     subject.pass_screens("Pictures")
 
 
+def test_devices_that_do_not_fit(subject: PageSubject, tmp_path: Path) -> None:
+    """Who cannot enlarge the window, or only has fingers where a pointer is asked for, is told."""
+    study = visible_study(tmp_path)
+    settings = replace(study.settings, allow_touch=False)
+    served = ServedStudy(replace(study, settings=settings), tmp_path)
+    fingers = "Emulation.setTouchEmulationEnabled"
+    try:
+        subject.resize(600, 250)
+        subject.browser.get(served.address)
+        subject.click("#browser-check-max-size-btn")
+        subject.await_heading("This device does not fit the study")
+        subject.resize(600, 700)
+        subject.browser.execute_cdp_cmd(fingers, {"enabled": True})
+        subject.browser.get(served.address)
+        subject.await_heading("This device does not fit the study")
+        assert "a mouse or another pointer" in subject.text("#study")
+        assert served.read().subjects.empty
+    finally:
+        subject.browser.execute_cdp_cmd(fingers, {"enabled": False})
+        served.stop()
+
+
 def test_pictures_that_do_not_load(subject: PageSubject, served: ServedStudy) -> None:
     """Pictures that do not load are asked for again, and no trial starts without them."""
     subject.browser.get(served.address)

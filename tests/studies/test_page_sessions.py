@@ -130,9 +130,7 @@ def test_network_lost_and_found(subject: PageSubject, served: ServedStudy, tmp_p
     subject.click("#jspsych-survey-html-form-next")
     subject.await_heading("Sending your answers")
     wait_until(lambda: "cannot be sent" in subject.text("#notice"), "the notice")
-    behavior = {"behavior": "allow", "downloadPath": str(tmp_path)}
-    subject.browser.execute_cdp_cmd("Browser.setDownloadBehavior", behavior)
-    subject.click("#notice button:last-of-type")
+    subject.save_file(tmp_path)
     file = tmp_path / "study-answers.json"
     wait_until(file.exists, "the file")
     unsent = json.loads(file.read_text(encoding="utf-8"))["unsent"]
@@ -183,9 +181,31 @@ def test_reload_closed_tab_and_back(subject: PageSubject, served: ServedStudy) -
     subject.browser.refresh()
     subject.await_heading("Finished")
     assert subject.text("#code") == code
+    subject.click(".aside button")  # the next person at a laboratory's computer
+    subject.pass_screens("Pictures")
     data = served.read()
     assert data.trials["response"].tolist() == ["left", "right", "left", "left", "left"]
     assert len(data.subjects) == 1
+
+
+def test_refused_answers_are_given_as_a_file(
+    subject: PageSubject, served: ServedStudy, tmp_path: Path
+) -> None:
+    """What the server will not have, here of a subject deleted meanwhile, is kept and said."""
+    subject.browser.get(served.address)
+    subject.pass_screens("Pair")
+    subject.await_pair(1)
+    served.forget_subjects()
+    subject.press("1")
+    wait_until(lambda: "did not accept" in subject.text("#notice"), "the notice")
+    subject.save_file(tmp_path)
+    file = tmp_path / "study-answers.json"
+    wait_until(file.exists, "the file")
+    assert json.loads(file.read_text(encoding="utf-8"))["unsent"][0]["body"]["response"] == "left"
+    subject.click("#notice button:last-of-type")
+    wait_until(lambda: not subject.text("#notice"), "an empty notice")
+    subject.browser.refresh()
+    subject.pass_screens("Pictures")
 
 
 def test_server_restarted(subject: PageSubject, served: ServedStudy) -> None:
