@@ -96,6 +96,7 @@ def assert_one_schedule(study: Study, schedule: Schedule, shown: int) -> None:
         assert entry.condition == (task.target if entry.kind == "main" else entry.kind)
 
 
+@settings(deadline=None)
 @given(st.integers(1, 40), st.integers(0, 2**32))
 def test_latin_squares_of_any_size(count: int, seed: int) -> None:
     """Every row and every column holds each number once."""

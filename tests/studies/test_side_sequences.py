@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studies.side_sequences import balanced_sides, longest_run
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(0, 3), max_size=60), st.integers(0, 2**32))
 def test_any_kinds_in_any_order_balance(kinds: list[int], seed: int) -> None:
     """Every kind is balanced to within one trial, and no side comes three times in a row."""
