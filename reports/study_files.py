@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from datasets.atomic import atomic_path
-from reports.content import Report, Table
+from reports.content import Plot, Report, Table
 from reports.html_renderer import write_html
 from reports.paper_table3 import table3
 from reports.pdf_renderer import write_pdf
 from reports.result_files import write_csv, write_json
 from reports.study_report import PAGE, PRINTED, study_report
-from reports.study_sections import study_plots
 from reports.style import print_svg
 
 MARK_COLUMN = "mark"
@@ -48,7 +47,7 @@ def write_study_files(folder: Path, document: Mapping[str, Any], json: Path | No
     for path in results:
         write_json(path, document)
     tables = list(_write_tables(folder, document))
-    figures = list(_write_figures(folder / "figures", document))
+    figures = list(_write_figures(folder / "figures", report))
     return [*results, *tables, *figures, *_write_report(folder / "report", report)]
 
 
@@ -97,8 +96,9 @@ def table_rows(table: Table) -> Iterator[dict[str, str]]:
             yield found
 
 
-def _write_figures(folder: Path, document: Mapping[str, Any]) -> Iterator[Path]:
-    for plot in study_plots(document):
+def _write_figures(folder: Path, report: Report) -> Iterator[Path]:
+    plots = (b for section in report.sections for b in section.blocks if isinstance(b, Plot))
+    for plot in plots:
         path = folder / f"{plot.figure.identifier}.svg"
         with atomic_path(path) as temporary:
             temporary.write_text(print_svg(plot.figure.svg) + "\n", encoding="utf-8")

@@ -9,6 +9,7 @@ from typing import Any
 from reports.paper_study import forest_layout, paper_table3
 from reports.study_results import mark_of_modes, plain_value
 from reports.study_source import read_answers
+from shading_model.errors import RelightlabError
 from studies.analysis.study_analysis import StudyResult, analyze
 from studies.analysis.study_analysis import analyze_study as analyze_planned
 from studies.published_study import PUBLISHED, consistency, disagreements
@@ -41,6 +42,8 @@ def analyze_study(source: str, study_file: Path | None, *, pilot: bool = False) 
     """
     data = read_answers(source, pilot=pilot)
     study = None if study_file is None else load_study(study_file)
+    if study is not None:
+        _check_tasks(data, study)
     result = analyze(data) if study is None else analyze_planned(data, study)
     return study_document(data, result, study, Path(source).name)
 
@@ -65,7 +68,7 @@ def study_document(
         See `reports.study_results`.
     """
     found = plain_value(result.as_dict())
-    parts = ("rates", "deviations", "models", "tests", "exclusions", "started", "notes")
+    parts = ("rates", "deviations", "models", "tests", "exclusions", "started")
     layout = paper_table3(found["rates"])
     of_paper = {(row["task"], row["condition"]) for row in found["rates"]}
     return {
@@ -74,6 +77,7 @@ def study_document(
         "mark": mark_of_modes(data.subjects["mode"]),
         "simulated": result.simulated,
         **{part: found[part] for part in parts},
+        "notes": [*_other_hash(data, study), *found["notes"]],
         "rates_with_everyone": found["rates_with_everyone"],
         "excluded": found["excluded"],
         "published": [
@@ -85,6 +89,24 @@ def study_document(
         "disagreements": disagreements() if layout else [],
         "provenance": _provenance(data, study, source),
     }
+
+
+def _check_tasks(data: StudyData, study: Study) -> None:
+    planned, answered = {task.name for task in study.tasks}, set(data.subjects["task"])
+    if not planned & answered:
+        raise RelightlabError(
+            f"the study {study.name} has the tasks {', '.join(sorted(planned))}, but the answers"
+            f" are to {', '.join(sorted(answered))}: give the study file they were collected with"
+        )
+
+
+def _other_hash(data: StudyData, study: Study | None) -> list[str]:
+    """Return a note where answers were collected with another content of the study file."""
+    if study is None:
+        return []
+    count = int((data.subjects["study_hash"] != study.hash).sum())
+    words = f"{count} of {len(data.subjects)} subjects answered another version of the study file"
+    return [f"{words}, or of its pictures"] if count else []
 
 
 def _provenance(data: StudyData, study: Study | None, source: str) -> dict[str, str]:

@@ -43,13 +43,13 @@ def load_test_command(
     from studies.simulated_load import LoadPlan, judge_load, run_load
 
     with TemporaryDirectory() as folder:
-        file = study_file or write_example(Path(folder) / "study")
         where = database or str(Path(folder) / "answers.sqlite")
         store = ResponseStore(where)
         if len(store.read().subjects):
             raise RelightlabError(
                 f"expected an empty database, got answers in {where}: name another"
             )
+        file = study_file or write_example(Path(folder) / "study")
         with running_server(file, where) as address:
             logs, seconds = run_load(address, LoadPlan(subjects=subjects, think_seconds=think))
         result = judge_load(logs, seconds, store.read(), store.key)

@@ -12,11 +12,14 @@ import pytest
 
 from reports.command_line import run
 from reports.study_run import analyze_study
+from shading_model.errors import RelightlabError
 from studies.analysis.rates import RATE_COLUMNS
 from studies.bare_study import bare_study
+from studies.example_study import write_example
 from studies.exporting import export_study
 from studies.response_store import ResponseStore
 from studies.simulation import simulate
+from studies.study_file import load_study
 from studies.tables import StudyData
 
 MAPPING = """
@@ -209,3 +212,20 @@ def test_sources_that_are_none(foreign: Path, capsys: pytest.CaptureFixture[str]
     both = (*with_mapping(foreign), "--pilot")
     assert "not both" in refused(capsys, str(foreign / "answers.csv"), *both)
     assert "cannot read" in refused(capsys, str(foreign / "no.csv"), *with_mapping(foreign))
+
+
+def test_a_study_file_of_other_answers(simulated: StudyData, tmp_path: Path) -> None:
+    """Answers to other tasks are refused; to another version of the file they are noted."""
+    folder = str(export_study(simulated, tmp_path / "export"))
+    example = write_example(tmp_path / "example")
+    with pytest.raises(RelightlabError, match="give the study file they were collected with"):
+        analyze_study(folder, example)
+    own = simulate(load_study(example), 24, seed=1)
+    subjects = own.subjects.assign(study_hash="another")
+    other = StudyData(subjects, own.trials, own.questionnaires)
+    notes = [
+        analyze_study(str(export_study(data, tmp_path / name)), example)["notes"]
+        for name, data in (("own", own), ("other", other))
+    ]
+    assert not any("another version" in note for note in notes[0])
+    assert notes[1][0].startswith("24 of 24 subjects answered another version")
