@@ -62,7 +62,9 @@ export function fit(images, row) {
   const border = frame.offsetWidth - frame.clientWidth + padding(frame);
   const width = (row.clientWidth - gap * (images.length - 1)) / images.length - border;
   resize(images, 0);
-  const used = document.querySelector("#study").getBoundingClientRect().bottom + window.scrollY;
+  const notice = document.querySelector("#notice").offsetHeight;
+  const { bottom } = document.querySelector("#study").getBoundingClientRect();
+  const used = bottom + window.scrollY + notice;
   const height = Math.max(window.innerHeight - used, MINIMUM_HEIGHT);
   const largest = (side) => Math.max(...images.map((image) => image[side]));
   resize(
