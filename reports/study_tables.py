@@ -19,6 +19,8 @@ from reports.study_words import (
 Document = Mapping[str, Any]
 Key = tuple[str, str, str, str]
 """Task, condition, group and level of a row."""
+BESIDE = ("deviation", "bootstrap_low", "bootstrap_high")
+"""Values of a rate that the document keeps apart: the paper's deviation, and one more interval."""
 
 
 @dataclass(frozen=True)
@@ -112,14 +114,15 @@ def rates_tables(document: Document) -> Folded:
             for key, words in (
                 ("wilson", "Wilson"),
                 ("cluster", "by subject"),
+                ("bootstrap", "bootstrap"),
                 ("twoway", "subjects and items"),
             )
         ),
     )
     caption = (
         "{words}: rate of choosing the target, and 95 % intervals: Wilson's, as if all trials were"
-        " independent; cluster-robust by subject, with Student's t; and two-way, for other subjects"
-        " and other scenes like these."
+        " independent; cluster-robust by subject, with Student's t; of subjects drawn anew; and"
+        " two-way, for other subjects and other scenes like these."
     )
     tables = tuple(
         plain_table(
@@ -128,15 +131,15 @@ def rates_tables(document: Document) -> Folded:
             caption.replace("{words}", words),
             columns,
             [("", rows)],
-            ["rates"],
+            ["rates", "deviations"],
         )
-        for number, (words, rows) in enumerate(by_condition(document["rates"]).items(), start=1)
+        for number, (words, rows) in enumerate(by_condition(full_rates(document)).items(), start=1)
     )
     return Folded("All rates with their intervals", tables)
 
 
 def full_rates(document: Document) -> list[dict[str, Any]]:
-    """Return the rates, each with the paper's own deviation as ``deviation``, None without one.
+    """Return the rates, each with the values `BESIDE` it, None without one.
 
     Parameters
     ----------
@@ -153,7 +156,7 @@ def full_rates(document: Document) -> list[dict[str, Any]]:
     """
     deviations = rows_by_name(document["deviations"])
     return [
-        {**row, "deviation": deviations.get(key, {}).get("deviation")}
+        {**row, **{name: deviations.get(key, {}).get(name) for name in BESIDE}}
         for row in document["rates"]
         for key in rows_by_name([row])
     ]

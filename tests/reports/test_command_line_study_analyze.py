@@ -15,12 +15,12 @@ from reports.study_run import analyze_study
 from shading_model.errors import RelightlabError
 from studies.analysis.rates import RATE_COLUMNS
 from studies.bare_study import bare_study
-from studies.example_study import write_example
 from studies.exporting import export_study
 from studies.response_store import ResponseStore
 from studies.simulation import simulate
 from studies.study_file import load_study
 from studies.tables import StudyData
+from tests.studies.written_study import write_study
 
 MAPPING = """
 title = "Edits"
@@ -217,7 +217,7 @@ def test_sources_that_are_none(foreign: Path, capsys: pytest.CaptureFixture[str]
 def test_a_study_file_of_other_answers(simulated: StudyData, tmp_path: Path) -> None:
     """Answers to other tasks are refused; to another version of the file they are noted."""
     folder = str(export_study(simulated, tmp_path / "export"))
-    example = write_example(tmp_path / "example")
+    example = write_study(tmp_path / "study")
     with pytest.raises(RelightlabError, match="give the study file they were collected with"):
         analyze_study(folder, example)
     own = simulate(load_study(example), 24, seed=1)
