@@ -18,7 +18,7 @@ from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
 from studies.analysis.intervals import FEWEST_CLUSTERS
 from studies.analysis.laplace import Codes
-from studies.analysis.mixed_model import check_answers
+from studies.analysis.model_inputs import check_answers
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from statsmodels.genmod.generalized_estimating_equations import GEE
 
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
-from studies.analysis.mixed_model import LARGEST_LOG_ODDS, check_answers, check_columns
+from studies.analysis.model_inputs import LARGEST_LOG_ODDS, check_answers, check_columns
 
 Working = Literal["exchangeable", "independence"]
 _STRUCTURES = {"exchangeable": Exchangeable, "independence": Independence}

@@ -20,6 +20,12 @@ from scipy.stats import chi2
 from shading_model.arrays import Float
 from shading_model.errors import RelightlabError
 from studies.analysis.laplace import CrossedDesign, LaplaceValue, laplace
+from studies.analysis.model_inputs import (
+    LARGEST_LOG_ODDS,
+    check_answers,
+    check_columns,
+    triangular_factor,
+)
 
 DIFFERENCE = 1e-4
 """Step at which the gradient is differenced for the curvature."""
@@ -27,8 +33,6 @@ SINGULAR = 1e-3
 """A standard deviation below this is tried at zero."""
 ESCAPE = 0.1
 """Where a deviation goes on from that came out as zero though this one is likelier."""
-LARGEST_LOG_ODDS = 15.0
-"""A fixed part beyond this, in answers without exception, has no finite estimate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,50 +168,6 @@ def likelihood_ratio(full: MixedFit, reduced: MixedFit) -> tuple[float, int, flo
     return statistic, freedom, float(chi2.sf(statistic, freedom))
 
 
-def check_answers(answers: Float) -> None:
-    """Refuse outcomes that are not answers between 0 and 1.
-
-    Parameters
-    ----------
-    answers : (n,) array
-
-    Raises
-    ------
-    RelightlabError
-        If there is none, or one is NaN or out of range.
-    """
-    wrong = ~((answers >= 0) & (answers <= 1))
-    if not answers.size or wrong.any():
-        came = f"{answers[wrong][0]:g}" if wrong.any() else "no answers"
-        raise RelightlabError(f"expected outcomes from 0 to 1, got {came}")
-
-
-def check_columns(matrix: Float, terms: Sequence[str]) -> None:
-    """Refuse columns that are not finite or follow from those before them.
-
-    Parameters
-    ----------
-    matrix : (n, p) array
-    terms : sequence of str
-
-    Raises
-    ------
-    RelightlabError
-        Naming the first such column.
-    """
-    scale = np.linalg.norm(matrix, axis=0)
-    if not np.isfinite(scale).all():
-        raise RelightlabError(f"{terms[int(np.argmin(np.isfinite(scale)))]!r} has missing values")
-    upper = _upper(matrix / np.where(scale > 0, scale, 1.0))
-    own = np.zeros(matrix.shape[1])
-    own[: upper.shape[0]] = np.abs(np.diag(upper))
-    if (own < 1e-9).any():
-        raise RelightlabError(
-            f"{terms[int(np.argmax(own < 1e-9))]!r} follows from the terms before it: leave it out"
-            " of the formula"
-        )
-
-
 def _ordered_design(
     answers: Float, matrix: Float, factors: Mapping[str, ArrayLike]
 ) -> tuple[list[str], CrossedDesign, list[pd.Index]]:
@@ -224,12 +184,7 @@ def _ordered_design(
 
 def _whitening(matrix: Float) -> Float:
     """The transform that makes the columns orthogonal with mean square 1."""
-    return np.asarray(np.linalg.inv(_upper(matrix)) * np.sqrt(len(matrix)))
-
-
-def _upper(matrix: Float) -> Float:
-    """The triangular factor of the columns."""
-    return np.asarray(np.linalg.qr(matrix, mode="r"), dtype=float)
+    return np.asarray(np.linalg.inv(triangular_factor(matrix)) * np.sqrt(len(matrix)))
 
 
 def _optimum(design: CrossedDesign) -> tuple[Float, LaplaceValue, bool]:

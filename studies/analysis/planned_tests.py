@@ -20,11 +20,10 @@ from studies.analysis.cell_means import (
     Difference,
     cell_means,
     contrast,
-    group_test,
-    interaction_test,
     paired_difference,
 )
 from studies.analysis.equivalence import chance_test, equivalence_test, holm
+from studies.analysis.group_tests import group_test, interaction_test
 from studies.analysis.intervals import cluster_interval
 from studies.analysis.rates import Row, plain
 from studies.analysis.subpopulations import half_of_session

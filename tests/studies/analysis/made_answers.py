@@ -89,3 +89,13 @@ def _people(count: int, tasks: list[str], generator: np.random.Generator) -> pd.
             "passed_perspective": generator.random(count) < 0.8,
         }
     )
+
+
+def answer_grid(
+    subjects: int = 12, trials: int = 8, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return outcomes and subjects, as many trials of each."""
+    rng = np.random.default_rng(seed)
+    chance = rng.uniform(0.2, 0.9, subjects)
+    subject = np.repeat(np.arange(subjects), trials)
+    return (rng.random(subjects * trials) < chance[subject]).astype(float), subject
