@@ -60,6 +60,8 @@ def level_words(group: str, level: str) -> str:
     >>> level_words("all", "all"), level_words("checked", "yes"), level_words("gender", "male")
     ('all', 'checked: yes', 'male')
     """
+    if group == "side":
+        return f"target on the {level}"
     plain = group in GROUPS or level.startswith(group)
     return level if plain else f"{group}: {level}"
 
