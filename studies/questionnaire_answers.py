@@ -91,8 +91,10 @@ def _gender(answer: str) -> str | None:
 def _text(answer: Given) -> str:
     if isinstance(answer, bool):
         return "yes" if answer else "no"
+    if isinstance(answer, float) and answer.is_integer():
+        return str(int(answer))
     if isinstance(answer, float | int):
-        return f"{answer:g}"
+        return str(answer)
     return (answer or "").replace("\0", "")
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Mapping
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +15,8 @@ from studies import store_rows as rows
 from studies import store_statements as statements
 from studies.completion_codes import completion_code
 from studies.questionnaire_answers import subject_columns
-from studies.schedules import Schedule, least_filled
 from studies.secret_key import SecretKey, read_or_make_key
-from studies.session_assignment import schedule_book
+from studies.session_opening import ASSIGNMENT, open_or_resume
 from studies.session_records import (
     Acknowledgement,
     Display,
@@ -41,8 +39,6 @@ from studies.store_schema import (
 from studies.study_records import Study
 from studies.tables import MODES, StudyData
 
-ABANDONED = timedelta(hours=2)
-"""A session that started longer ago and is not complete no longer counts in the balance."""
 COUNTED = tuple(mode for mode in MODES if mode != "pilot")
 """The modes that are read by default."""
 
@@ -111,7 +107,7 @@ class ResponseStore:
                     f"{key_file} is not the key of the database {self.database.url}: name the"
                     " right one with --key"
                 )
-            own = {"version": VERSION, "key": key.fingerprint, statements.ASSIGNMENT: ""}
+            own = {"version": VERSION, "key": key.fingerprint, ASSIGNMENT: ""}
             missing = [{"name": n, "value": v} for n, v in own.items() if n not in kept]
             statements.insert_new(connection, facts, missing)
         return key
@@ -150,22 +146,7 @@ class ResponseStore:
         at = self.clock()
         hashes = self.hashed_ids(study, ids or {})
         with self.database.writing() as connection:
-            statements.hold_assignment(connection)
-            known = self._known_worker(connection, study, mode, hashes)
-            if known is not None:
-                token = statements.new_token(connection, known)
-                return statements.session_of(connection, token, resumed=True)
-            schedule = self._assign(connection, study, mode, at)
-            subject = statements.add_subject(
-                connection, study.name, study.hash, mode, schedule, iso(at), display or Display()
-            )
-            recruited = [
-                {"subject": subject, "parameter": parameter, "keyed_hash": keyed}
-                for parameter, keyed in hashes.items()
-            ]
-            statements.insert_new(connection, recruits, recruited)
-            token = statements.new_token(connection, subject)
-            return statements.session_of(connection, token, resumed=False)
+            return open_or_resume(connection, study, mode, hashes, at, display or Display())
 
     def hashed_ids(self, study: Study, ids: Mapping[str, str]) -> dict[str, str]:
         """Return the keyed hash of each id of the study's recruitment that is given."""
@@ -174,31 +155,6 @@ class ResponseStore:
             for parameter in study.recruitment.id_parameters
             if ids.get(parameter)
         }
-
-    def _known_worker(
-        self, connection: Connection, study: Study, mode: str, hashes: Mapping[str, str]
-    ) -> str | None:
-        if next(iter(hashes), None) != next(iter(study.recruitment.id_parameters), ""):
-            return None  # without the worker's own id nobody is recognised
-        found = statements.earlier_sessions(connection, study.name, mode, hashes)
-        for subject, status, study_hash, same_link in found:
-            # An id alone is no secret; together with the panel's own session it is.
-            if same_link and len(hashes) > 1 and study_hash == study.hash and status != "returned":
-                return subject
-        if any(status == "complete" for _, status, _, _ in found) and mode == "live":
-            raise RefusedError("you have already taken part in this study: thank you")
-        for subject, status, _, _ in found:
-            if status == "started":
-                statements.set_status(connection, subject, "returned", None)
-        return None
-
-    def _assign(self, connection: Connection, study: Study, mode: str, at: datetime) -> Schedule:
-        complete = Counter(statements.filled(connection, study.hash, mode, "complete"))
-        since = iso(at - ABANDONED)
-        started = statements.filled(connection, study.hash, mode, "started", since)
-        # Who is at it now will most likely finish: were only the complete counted, all who come
-        # before the next one finishes would get the same task.
-        return schedule_book(study)[least_filled(study, complete + Counter(started), started)]
 
     def session(self, token: str) -> Session:
         """Return the session that a token opens, as it stands.

@@ -68,12 +68,9 @@ def bound_socket(host: str, port: int) -> socket.socket:
 
     Examples
     --------
-    >>> with bound_socket("127.0.0.1", 0) as first:
-    ...     bound_socket("127.0.0.1", first.getsockname()[1])
-    Traceback (most recent call last):
-        ...
-    shading_model.errors.RelightlabError: cannot listen at 127.0.0.1 port ...: Address already in
-    use; choose another with --port
+    >>> with bound_socket("127.0.0.1", 0) as bound:
+    ...     bound.getsockname()[1] > 0
+    True
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     bound = socket.socket(family, socket.SOCK_STREAM)

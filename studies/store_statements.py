@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import hmac
 import json
-import secrets
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -15,19 +14,15 @@ from sqlalchemy.dialects import postgresql, sqlite
 from studies.schedules import Schedule, ScheduledTrial
 from studies.session_records import (
     Acknowledgement,
-    Display,
     Session,
     TrialAnswer,
     UnknownSessionError,
     UnknownTrialError,
     schedule_from_text,
-    schedule_to_text,
 )
 from studies.store_schema import (
     events,
-    facts,
     questionnaires,
-    recruits,
     sessions,
     subjects,
     tokens,
@@ -35,8 +30,6 @@ from studies.store_schema import (
 )
 from studies.study_pairs import CLOSING_TESTS
 
-ASSIGNMENT = "assignment"
-"""The row of `facts` that whoever assigns schedules holds."""
 MOST_EVENTS = 2000
 """Events kept of one subject; more are dropped."""
 
@@ -59,19 +52,6 @@ def insert_new(connection: Connection, table: Table, rows: Sequence[Mapping[str,
     statement = dialect.insert(table).on_conflict_do_nothing()
     counted = statement.execution_options(preserve_rowcount=True)
     return int(connection.execute(counted, [dict(row) for row in rows]).rowcount)
-
-
-def new_token(connection: Connection, subject: str) -> str:
-    """Return a new token of the subject; its digest is kept, not the token.
-
-    Parameters
-    ----------
-    connection : Connection
-    subject : str
-    """
-    token = secrets.token_urlsafe(32)
-    connection.execute(tokens.insert(), {"digest": token_digest(token), "subject": subject})
-    return token
 
 
 def token_digest(token: str) -> str:
@@ -141,105 +121,6 @@ def session_of(connection: Connection, token: str, *, resumed: bool) -> Session:
         tuple(sorted(questions)),
         resumed,
     )
-
-
-def hold_assignment(connection: Connection) -> None:
-    """Let no other transaction assign a schedule until this one has ended.
-
-    Parameters
-    ----------
-    connection : Connection
-    """
-    connection.execute(select(facts).where(facts.c.name == ASSIGNMENT).with_for_update())
-
-
-def filled(
-    connection: Connection, study_hash: str, mode: str, status: str, since: str = ""
-) -> dict[tuple[str, int], int]:
-    """Return how many sessions of this status each task and order has.
-
-    Parameters
-    ----------
-    connection : Connection
-    study_hash, mode, status : str
-        As in the table of subjects.
-    since : str
-        Only those that started then or later.
-    """
-    c = subjects.c
-    counts = connection.execute(
-        select(c.task, c.order, func.count())
-        .where(c.study_hash == study_hash, c.mode == mode, c.status == status)
-        .where(c.started >= since)
-        .group_by(c.task, c.order)
-    )
-    return {(task, order): count for task, order, count in counts}
-
-
-def add_subject(
-    connection: Connection,
-    study: str,
-    study_hash: str,
-    mode: str,
-    schedule: Schedule,
-    at: str,
-    display: Display,
-) -> str:
-    """Add a subject with a schedule and return the subject's new name.
-
-    Parameters
-    ----------
-    connection : Connection
-    study, study_hash, mode : str
-    schedule : Schedule
-    at : str
-        The instant.
-    display : Display
-    """
-    subject = secrets.token_hex(8)
-    row: dict[str, Any] = {
-        "subject": subject,
-        "study_hash": study_hash,
-        "mode": mode,
-        "status": "started",
-    }
-    row |= {"task": schedule.task, "order": schedule.order, "started": at}
-    row |= {"display_width": display.width, "display_height": display.height}
-    connection.execute(subjects.insert(), row | {"pixel_ratio": display.pixel_ratio})
-    kept = {"subject": subject, "study": study, "schedule": schedule_to_text(schedule)}
-    connection.execute(sessions.insert(), kept)
-    return subject
-
-
-def earlier_sessions(
-    connection: Connection, study: str, mode: str, hashes: Mapping[str, str]
-) -> list[tuple[str, str, str, bool]]:
-    """Return the worker's sessions of a study: subject, status, hash, and whether all ids match.
-
-    Parameters
-    ----------
-    connection : Connection
-    study, mode : str
-    hashes : mapping of str to str
-        Keyed hashes by parameter; the first is the worker's own.
-    """
-    parameter, keyed = next(iter(hashes.items()))
-    found = connection.execute(
-        select(subjects.c.subject, subjects.c.status, subjects.c.study_hash)
-        .join(recruits, recruits.c.subject == subjects.c.subject)
-        .join(sessions, sessions.c.subject == subjects.c.subject)
-        .where(recruits.c.parameter == parameter, recruits.c.keyed_hash == keyed)
-        .where(sessions.c.study == study, subjects.c.mode == mode)
-        .order_by(subjects.c.entry.desc())
-    ).all()
-    return [(*row, _hashes_of(connection, row.subject) == dict(hashes)) for row in found]
-
-
-def _hashes_of(connection: Connection, subject: str) -> dict[str, str]:
-    rows = connection.execute(
-        select(recruits.c.parameter, recruits.c.keyed_hash).where(recruits.c.subject == subject)
-    )
-    return {row.parameter: row.keyed_hash for row in rows}
 
 
 def record_answer(

@@ -17,7 +17,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shading_model.errors import RelightlabError
-from studies.response_store import ABANDONED, ResponseStore
+from studies.response_store import ResponseStore
+from studies.session_opening import ABANDONED
 from studies.session_records import (
     Display,
     RefusedError,

@@ -9,6 +9,7 @@ import pytest
 
 from shading_model.errors import RelightlabError
 from studies.response_store import ResponseStore
+from studies.serving import bound_socket
 from studies.store_engine import Database, database_url
 
 
@@ -95,3 +96,13 @@ def test_keys_lie_beside_files_and_else_with_the_user(tmp_path: Path) -> None:
     assert Database(tmp_path / "a.sqlite").key_path() == tmp_path / "a.sqlite.key"
     path = Database("postgresql://lab@db.example:5433/answers").key_path()
     assert (path.name, path.parent.name) == ("db.example-5433-answers.key", "relightlab")
+
+
+def test_a_taken_port_is_told() -> None:
+    """A port that another program listens at, or that is none, is told with what to do."""
+    with bound_socket("127.0.0.1", 0) as first:
+        first.listen()
+        with pytest.raises(RelightlabError, match="choose another with --port"):
+            bound_socket("127.0.0.1", first.getsockname()[1])
+    with pytest.raises(RelightlabError, match="cannot listen at"):
+        bound_socket("127.0.0.1", 70_000)
