@@ -35,7 +35,7 @@ def read_answers(source: str, *, pilot: bool = False) -> StudyData:
     """
     data = _read(source, pilot=pilot)
     if data.trials.empty:
-        kind = "pilot answers" if pilot else "answers"
+        kind = "pilot answers" if pilot else "answers (a pilot's are read with --pilot)"
         raise RelightlabError(
             f"there are no {kind} in {source}: collect some with 'relightlab study serve', or"
             " make some up with 'relightlab study simulate'"
