@@ -14,6 +14,7 @@ UV ?= uv
 BIN = .venv/bin
 # Written last: an interrupted set-up leaves no stamp, and is thrown away by the next one.
 READY = .venv/.ready
+PAGE = studies/page/dist/index.html
 
 # One thread for linear algebra in each process: the work is already spread over processes, and
 # two BLAS threads in each of two processes were ten times slower.
@@ -50,7 +51,7 @@ gate: setup ## hold the results of every variant to their record
 bench: setup ## time of each stage, in factorisations of the same grid
 	$(BIN)/python -m evaluation.benchmark $(ARGS)
 
-setup: $(READY) ## create or update .venv from the pinned versions
+setup: $(READY) $(PAGE) ## create or update .venv from the pinned versions, and the studies' page
 
 # A whole environment is updated in place; anything else is made again from nothing.
 $(READY): constraints.txt pyproject.toml
@@ -74,6 +75,11 @@ $(READY): constraints.txt pyproject.toml
 	@$(PIP) check
 	@touch $(READY)
 
+# Only the studies need it: without npm's registry, everything else works, and the next set-up
+# tries again.
+$(PAGE): $(READY) studies/page_build.py $(wildcard studies/page/*.*)
+	@$(BIN)/python -m studies.page_build || echo 'Set-up goes on without the page.' >&2
+
 hooks: setup ## run the checks of .pre-commit-config.yaml before each commit
 	$(BIN)/pre-commit install
 
@@ -85,6 +91,7 @@ constraints: ## pin every dependency again, with hashes (needs uv)
 
 clean: ## remove the environment, caches and builds; results stay
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist *.egg-info
+	rm -rf studies/page/dist
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 help: ## this list

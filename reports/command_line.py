@@ -21,6 +21,7 @@ from reports.commands.model import app as model_app
 from reports.commands.probe import app as probe_app
 from reports.commands.reproduce import app as reproduce_app
 from reports.commands.sirfs import app as sirfs_app
+from reports.commands.study_group import app as study_app
 from shading_model.errors import RelightlabError
 
 WRONG_USE = 2
@@ -41,6 +42,7 @@ app.add_typer(evaluate_app, name="evaluate")
 app.add_typer(gate_app, name="gate")
 app.add_typer(grid_app, name="grid")
 app.add_typer(sirfs_app, name="sirfs")
+app.add_typer(study_app, name="study")
 
 
 @app.callback(invoke_without_command=True)

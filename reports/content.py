@@ -228,7 +228,7 @@ class Report:
     authors, keywords : tuple of str
     lead : Prose
     stamps : tuple of Stamp
-    teaser : Pictures
+    teaser : Pictures, optional
     sections : tuple of Section
     maker : str
         What made the report, for its last line.
@@ -244,7 +244,7 @@ class Report:
     keywords: tuple[str, ...]
     lead: Prose
     stamps: tuple[Stamp, ...]
-    teaser: Pictures
+    teaser: Pictures | None
     sections: tuple[Section, ...]
     maker: str
     stops: tuple[str, ...]

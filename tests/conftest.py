@@ -22,7 +22,18 @@ settings.load_profile("repeatable")
 LACKING = {
     "real_data": "lack of data (set RELIGHTLAB_DATA to a folder that holds mit-berkeley/)",
     "browser": "lack of a Chromium",
+    "postgresql": "lack of a PostgreSQL server (initdb and pg_ctl)",
+    "nightly": "their length (ask for them with -m nightly)",
 }
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Skip what runs long on purpose, unless it was asked for."""
+    if "nightly" in str(config.getoption("markexpr")):
+        return
+    for item in items:
+        if "nightly" in item.keywords:
+            item.add_marker(pytest.mark.skip(reason="runs long: ask for it with -m nightly"))
 
 
 @pytest.fixture(scope="session")

@@ -2,44 +2,23 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from selenium.common.exceptions import WebDriverException
-from selenium.webdriver import Chrome, ChromeOptions
-from selenium.webdriver.chrome.service import Service
+from selenium.webdriver import Chrome
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from reports.table1_report import PAGE
+from tests.browser import luminance, start_browser
 from tests.reports.rival_rows import left_out
 from tests.reports.small_result import SmallResult, small_result
 
 __all__ = ["small_result"]
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 DARKEST_LIGHT_PAGE, LIGHTEST_DARK_PAGE = 200, 60
 LEAST_CONTRAST = 4.5
-
-
-def start_browser() -> Chrome:
-    """Return a browser without a window; skips where there is none."""
-    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-    driver = shutil.which("chromedriver")
-    if browser is None or driver is None:
-        missing = "a Chromium" if browser is None else "chromedriver"
-        pytest.skip(f"{missing} was not found (Debian: chromium and chromium-driver)")
-    options = ChromeOptions()
-    options.binary_location = browser
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    try:
-        return Chrome(options=options, service=Service(driver))
-    except WebDriverException as error:
-        pytest.skip(f"Chromium did not start: {error.msg}")
 
 
 @pytest.fixture(scope="module")
@@ -72,14 +51,6 @@ def colour(browser: Chrome, selector: str, quantity: str) -> list[int]:
     script = "return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
     text = str(browser.execute_script(script, selector, quantity))
     return [int(part) for part in text[text.index("(") + 1 : -1].split(",")[:3]]
-
-
-def luminance(rgb: list[int]) -> float:
-    """Return the relative luminance of a colour (WCAG 2.2)."""
-    linear = [
-        v / 12.92 if (v := part / 255) <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for part in rgb
-    ]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
 @pytest.mark.parametrize("width", [400, 1400])
