@@ -119,3 +119,20 @@ def test_the_fit_of_the_documentation_runs(
     fit = found["fit"]
     assert fit.final_loss == pytest.approx(sum(fit.terms.values()))
     assert np.isfinite(fit.height[fit.mask]).all()
+
+
+@pytest.mark.slow
+def test_the_study_of_the_readme_is_designed_and_analysed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All but the serving, which has tests of its own; simulated subjects answer in its place."""
+    monkeypatch.chdir(tmp_path)
+    words = ("study example", "study design", "study power", "study analyze")
+    example, design, power, analyze = (command("README.md", word) for word in words)
+    assert run(example) == 0
+    assert run(design) == 0
+    assert run([*power, "--draws", "50"]) == 0
+    database, study = analyze[2], design[-1]
+    assert run(["study", "simulate", study, "--subjects", "60", "--database", database]) == 0
+    assert run(analyze) == 0
+    assert "SIMULATED" in Path("results/report/index.html").read_text(encoding="utf-8")

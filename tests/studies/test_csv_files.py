@@ -1,3 +1,5 @@
+"""Tests of CSV files that tables are written to and read from."""
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+"""Tests of exports of a study: files, marks, data dictionary."""
+
 from __future__ import annotations
 
 import json

@@ -1,3 +1,5 @@
+"""Tests of the import of answers that were collected elsewhere."""
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+"""Tests of foreign CSV files that a mapping explains."""
+
 from __future__ import annotations
 
 from pathlib import Path

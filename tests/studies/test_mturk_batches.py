@@ -1,3 +1,5 @@
+"""Tests of result files of MTurk-style batches."""
+
 from __future__ import annotations
 
 import json

@@ -1,3 +1,5 @@
+"""Tests of simulated observers and their probabilities."""
+
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+"""Tests of the demographic files of Prolific."""
+
 from __future__ import annotations
 
 from pathlib import Path

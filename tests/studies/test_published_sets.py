@@ -1,3 +1,5 @@
+"""Tests of the two published sets of answers."""
+
 from __future__ import annotations
 
 from pathlib import Path

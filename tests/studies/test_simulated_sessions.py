@@ -1,3 +1,5 @@
+"""Tests of simulated subjects that take part over HTTP."""
+
 from __future__ import annotations
 
 from collections.abc import Callable

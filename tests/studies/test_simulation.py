@@ -1,3 +1,5 @@
+"""Tests of simulated studies."""
+
 from __future__ import annotations
 
 from dataclasses import replace

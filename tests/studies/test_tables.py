@@ -1,3 +1,5 @@
+"""Tests of the four tidy tables of a study."""
+
 from __future__ import annotations
 
 from typing import Any
