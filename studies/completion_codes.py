@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import csv
 import hmac
 import json
 from collections.abc import Iterable, Mapping
@@ -14,6 +13,7 @@ from typing import Any, Literal
 import pandas as pd
 
 from shading_model.errors import RelightlabError
+from studies.csv_files import read_csv
 from studies.secret_key import SecretKey
 from studies.tables import StudyData
 
@@ -139,7 +139,8 @@ def check_codes(
     for worker, code in handed_in:
         subject = _owner(code, codes)
         verdict = _verdict(worker, subject, used, subjects_of_worker)
-        used.add(subject)
+        if verdict == "valid":  # who hands in another's code does not use it up
+            used.add(subject)
         checked.append(CheckedCode(worker, code, subject, verdict))
     return checked
 
@@ -182,7 +183,7 @@ def read_codes(path: Path) -> list[tuple[str, str]]:
     Raises
     ------
     RelightlabError
-        If there is no such file, or it has no column for the code.
+        If the file cannot be read as CSV, or has no column for the code.
 
     Examples
     --------
@@ -192,17 +193,14 @@ def read_codes(path: Path) -> list[tuple[str, str]]:
     >>> read_codes(path)
     [('5f3a', 'ABCD')]
     """
-    with path.open(encoding="utf-8-sig", newline="") as stream:
-        rows = list(csv.DictReader(stream))
-        names = {name.strip().lower(): name for name in (rows[0] if rows else {}) if name}
+    table = read_csv(path, may_be_empty=True)
+    names = {str(name).strip().lower(): str(name) for name in table.columns}
     code = next((names[name] for name in CODE_COLUMNS if name in names), None)
     if code is None:
         raise RelightlabError(
             f"{path} has no column for the code: expected one named {' or '.join(CODE_COLUMNS)}"
         )
     worker = next((names[name] for name in WORKER_COLUMNS if name in names), None)
-    return [
-        ((row[worker] or "").strip() if worker else "", row[code].strip())
-        for row in rows
-        if row[code] and row[code].strip()
-    ]
+    codes = table[code].fillna("").str.strip()
+    workers = table[worker].fillna("").str.strip() if worker else [""] * len(codes)
+    return [(who, one) for who, one in zip(workers, codes, strict=True) if one]

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstra
 from studies.session_records import Display, Response, TrialAnswer
 
 LONGEST_TEXT = 20_000
-_DAY_MS = 86_400_000.0
+_YEAR_MS = 366 * 86_400_000.0  # a page may be left open over a holiday, and its answer counts
 
 
 def clean(text: str) -> str:
@@ -30,7 +30,7 @@ def clean(text: str) -> str:
 Text = Annotated[str, AfterValidator(clean), StringConstraints(max_length=LONGEST_TEXT)]
 Short = Annotated[str, AfterValidator(clean), StringConstraints(max_length=256)]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-Milliseconds = Annotated[float, Field(ge=0, le=_DAY_MS)]
+Milliseconds = Annotated[float, Field(ge=0, le=_YEAR_MS)]
 Pixels = Annotated[float, Field(ge=0, le=100_000)]
 
 

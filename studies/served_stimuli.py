@@ -77,7 +77,7 @@ def plain_png(path: Path) -> bytes:
             if upright.mode.startswith("I"):
                 upright = _eight_bits(upright)
             picture = upright.convert(_PLAIN_MODES.get(upright.mode, "RGB"))
-            if profile and picture.mode == "RGB":
+            if profile and picture.mode in {"RGB", "RGBA"}:
                 picture = _to_srgb(picture, profile)
     except (OSError, SyntaxError, ValueError) as error:
         raise RelightlabError(f"the stimulus {path} cannot be read: {error}") from error
@@ -95,7 +95,10 @@ def _eight_bits(picture: Image.Image) -> Image.Image:
 def _to_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
     try:
         source = ImageCms.ImageCmsProfile(BytesIO(profile))
-        converted = ImageCms.profileToProfile(picture, source, ImageCms.createProfile("sRGB"))
+        target = ImageCms.createProfile("sRGB")
+        converted = ImageCms.profileToProfile(picture.convert("RGB"), source, target)
     except ImageCms.PyCMSError:
         return picture  # a browser, too, ignores a profile that does not fit
+    if converted and picture.mode == "RGBA":
+        converted.putalpha(picture.getchannel("A"))
     return converted or picture

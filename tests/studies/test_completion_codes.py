@@ -68,6 +68,14 @@ def test_the_code_of_a_session_is_its_own(sqlite_store: ResponseStore, study: St
     assert [one.verdict for one in alone] == ["of another worker", "no such worker"]
 
 
+def test_a_code_in_wrong_hands_stays_its_owners() -> None:
+    """Who hands in another's code first takes nothing from the worker whose code it is."""
+    known = {"anna": frozenset({"s1"}), "ben": frozenset({"s2"})}
+    handed_in = [("ben", "ABC"), ("eve", "ABC"), ("anna", "ABC"), ("anna", "ABC")]
+    verdicts = [one.verdict for one in check_codes(handed_in, {"s1": "ABC"}, known)]
+    assert verdicts == ["of another worker", "no such worker", "valid", "used twice"]
+
+
 def test_a_changed_answer_is_found_out(sqlite_store: ResponseStore, study: Study) -> None:
     """When an answer in the database is changed afterwards, the code no longer fits."""
     from sqlalchemy import update
@@ -109,4 +117,14 @@ def test_an_export_without_codes_is_told(tmp_path: Path) -> None:
     path = tmp_path / "export.csv"
     path.write_text("a,b\n1,2\n")
     with pytest.raises(RelightlabError, match="no column for the code: expected one named"):
+        read_codes(path)
+
+
+def test_an_export_of_a_spreadsheet_is_read_or_told(tmp_path: Path) -> None:
+    """Semicolons part cells as well as commas, and a file in another encoding is told."""
+    path = tmp_path / "export.csv"
+    path.write_text("WorkerId;Code;Note\n w1 ;ABC;\nw2;;late\n", encoding="utf-8")
+    assert read_codes(path) == [("w1", "ABC")]
+    path.write_bytes(b"code\n\xff\n")
+    with pytest.raises(RelightlabError, match="not UTF-8"):
         read_codes(path)

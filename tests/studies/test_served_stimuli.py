@@ -61,6 +61,22 @@ def test_a_colour_profile_is_carried_out(tmp_path: Path) -> None:
     assert np.abs(np.asarray(picture).astype(int) - NOISE).max() <= 1
 
 
+def test_a_colour_profile_is_carried_out_beside_transparency(tmp_path: Path) -> None:
+    """A picture gets the same colours with an alpha channel as without, and keeps that channel."""
+    content = bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
+    red, green = content.index(b"rXYZ"), content.index(b"gXYZ")
+    content[red : red + 4], content[green : green + 4] = b"gXYZ", b"rXYZ"
+    plain, clear = tmp_path / "a.png", tmp_path / "b.png"
+    picture = Image.fromarray(NOISE)
+    picture.save(plain, icc_profile=bytes(content))
+    picture.putalpha(Image.fromarray(NOISE[..., 0]))
+    picture.save(clear, icc_profile=bytes(content))
+    shown = np.asarray(opened(plain_png(clear)))
+    np.testing.assert_array_equal(shown[..., :3], np.asarray(opened(plain_png(plain))))
+    np.testing.assert_array_equal(shown[..., 3], NOISE[..., 0])
+    assert np.abs(shown[..., :3].astype(int) - NOISE).max() > 50
+
+
 @pytest.mark.parametrize("mode", ["L", "P", "RGBA", "LA", "1", "I;16"])
 def test_every_kind_of_picture_is_served(tmp_path: Path, mode: str) -> None:
     """Palettes, transparency and gray pictures become something that every browser shows."""

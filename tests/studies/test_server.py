@@ -149,6 +149,13 @@ def test_answers_of_another_form_are_refused(
     assert len(sqlite_store.read().trials) == 0
 
 
+def test_an_answer_after_days_is_kept(client: TestClient) -> None:
+    """A page that was left open over a long holiday still gives its answer."""
+    month = 30 * 86_400_000.0
+    response = put(client, opened(client)["token"], 0, shown_ms=900.0, reaction_ms=month)
+    assert response.json()["state"] == "stored"
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"response": NaN}', b'{"a":' * 5000],
