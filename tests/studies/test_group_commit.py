@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -162,3 +163,18 @@ def test_alone_means_that_no_transaction_is_open(database: Database) -> None:
         order.append("alone")
     thread.join()
     assert order == ["written", "alone"]
+
+
+def test_a_slow_disk_is_shared(database: Database) -> None:
+    """With a disk that takes 50 ms to flush, many writers wait for few flushes, not for each."""
+    made = commits(database)
+    event.listen(database._engine, "commit", lambda _: time.sleep(0.05))
+
+    def write(number: int) -> None:
+        with database.writing() as connection:
+            insert(connection, number)
+
+    with ThreadPoolExecutor(WRITERS) as pool:
+        list(pool.map(write, range(4 * WRITERS)))
+    assert stored(database) == list(range(4 * WRITERS))
+    assert len(made) < 2 * WRITERS
