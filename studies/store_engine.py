@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import sqlite3
-import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
 from shading_model.errors import RelightlabError
+from studies.group_commit import GroupCommit
 
 BUSY_SECONDS = 10
 """How long a statement waits for another's lock before the request is refused, to be repeated."""
@@ -63,14 +63,14 @@ class Database:
         if self.is_sqlite and must_exist and not Path(str(self.url.database)).is_file():
             raise RelightlabError(f"there is no database {self.url.database}: name another")
         self._engine = _sqlite(self.url) if self.is_sqlite else _postgresql(self.url)
-        # Waiting in line is fairer and quicker than SQLite's own polling for its lock.
-        self._line = threading.Lock()
+        writer = self._engine.execution_options(begin="BEGIN IMMEDIATE")
+        # SQLite would poll for its lock and flush for each writer; PostgreSQL does this by itself.
+        self._group = GroupCommit(writer.connect) if self.is_sqlite else None
 
     @contextmanager
     def writing(self) -> Iterator[Connection]:
         """Run a transaction that writes; when the block has ended, it is on disk."""
-        line: AbstractContextManager[object] = self._line if self.is_sqlite else nullcontext()
-        with line, self._engine.execution_options(begin="BEGIN IMMEDIATE").begin() as connection:
+        with self._group.writing() if self._group else self._engine.begin() as connection:
             yield connection
 
     @contextmanager
@@ -89,8 +89,8 @@ class Database:
 
     def forget_deleted(self) -> None:
         """Leave nothing of deleted rows in SQLite's log; they are overwritten in the file."""
-        if self.is_sqlite:
-            with self._line, self._engine.connect() as connection:
+        if self._group:
+            with self._group.alone(), self._engine.connect() as connection:
                 connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
 
     def key_path(self) -> Path:
