@@ -95,7 +95,9 @@ def test_reproduce_can_be_planned(
     """``reproduce --plan`` says what it would measure, and writes nothing."""
     out = tmp_path / "out"
     assert run(["reproduce", "--data", str(small_set), "--out", str(out), "--quick", "--plan"]) == 0
-    assert "120 cells, 0 done, 120 to run in 2 tasks" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "120 cells, 0 done, 120 to run in 2 tasks" in shown
+    assert "base-shapes 1: 40 cells, 0 done, 40 to run in 1 tasks" in shown
     assert not out.exists()
 
 

@@ -135,6 +135,27 @@ def test_reproduce_writes_all_its_results(
 
 
 @pytest.mark.slow
+def test_reproduce_measures_table_2(
+    small_set: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """After Table 1 stands Table 2, on the page too, and its numbers are in files of their own."""
+    out = tmp_path / "out"
+    command = ["reproduce", "--data", str(small_set), "--out", str(out), "--workers", "1"]
+    assert run([*command, "--quick"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.index("Table 1: ") < shown.index("Table 2: error by base shape on synthetic")
+    document = json.loads((out / "results" / "table2-synthetic.json").read_text())
+    with (out / "results" / "table2-synthetic.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["imse"]) for row in rows] == [row["imse"] for row in document["rows"]]
+    assert {row["shape"] for row in rows} == {"contour", "kinect", "ground-truth", "flat"}
+    assert all(f"{row['imse']:.5f}" in shown for row in document["rows"])
+    page = (out / "report" / "index.html").read_text(encoding="utf-8")
+    assert 'id="table-2-synthetic-errors"' in page
+    assert "table2-synthetic.json: rows, published" in page
+
+
+@pytest.mark.slow
 def test_reproduce_shows_sirfs(
     small_set: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
