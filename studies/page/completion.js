@@ -2,6 +2,7 @@
 
 import { action, paragraph, showScreen } from "./notices.js";
 import { insist } from "./server.js";
+import { leaveSession } from "./session.js";
 
 // Resolves when nothing of this session waits any more; never if the server refuses something.
 function everythingSent(token, outbox, onChanged) {
@@ -94,10 +95,7 @@ function nextSubject(store) {
   const paragraphs = paragraph("");
   paragraphs.className = "aside";
   paragraphs.append(
-    action("Another person takes part", () => {
-      store.remove("session", "drafts");
-      location.assign(location.pathname + location.search);
-    }),
+    action("Another person takes part", () => leaveSession(store)),
   );
   return paragraphs;
 }

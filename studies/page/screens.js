@@ -75,12 +75,18 @@ export function instructionScreen(study) {
   return textScreen("Instructions", paragraphs(study.instructions), ["Start"]);
 }
 
-export function welcomeBack(answered, total) {
-  return textScreen(
-    "Welcome back",
-    `<p>You have answered ${answered} of ${total} pairs. The study goes on where you were.</p>`,
-    ["Continue"],
-  );
+// With `onOther`, which a link without ids needs: it may be another person at the same computer.
+export function welcomeBack(answered, total, onOther) {
+  return {
+    ...textScreen(
+      "Welcome back",
+      `<p>You have answered ${answered} of ${total} pairs. The study goes on where you were.</p>`,
+      onOther ? ["Continue", "I am another person"] : ["Continue"],
+    ),
+    on_finish: (data) => {
+      if (data.response === 1) onOther();
+    },
+  };
 }
 
 // Offered where there is a pointer; on a telephone the page fills the screen anyway.

@@ -44,6 +44,12 @@ export async function openSession(store, study, onFailure) {
   return { token, ids: wanted.ids, session: answer.body };
 }
 
+// Begin anew at the same address, as another person; what is on its way still goes to the server.
+export function leaveSession(store) {
+  store.remove("session", "drafts");
+  location.assign(location.pathname + location.search);
+}
+
 function asksForPilot() {
   return new URLSearchParams(location.search).get("mode") === "pilot";
 }

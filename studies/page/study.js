@@ -11,7 +11,7 @@ import { pairTrial } from "./pairs.js";
 import { Pictures } from "./pictures.js";
 import { questionnaireTrial } from "./questionnaire.js";
 import * as screens from "./screens.js";
-import { keptSession, openSession, readStudy } from "./session.js";
+import { keptSession, leaveSession, openSession, readStudy } from "./session.js";
 import { claimSession, Store } from "./storage.js";
 
 class Visit {
@@ -87,7 +87,7 @@ class Visit {
     return [
       pictures.timeline([...new Set(trials.flatMap(({ left, right }) => [left, right]))]),
       answered
-        ? screens.welcomeBack(answered, schedule.length)
+        ? screens.welcomeBack(answered, schedule.length, this.#otherPerson())
         : screens.instructionScreen(study),
       screens.enterFullscreen(),
       ...trials.map((trial) =>
@@ -103,6 +103,16 @@ class Visit {
     ];
   }
 
+  // On a laboratory's computer, the one before may have left in the middle.
+  #otherPerson() {
+    if (Object.keys(this.ids).length) return undefined;
+    return () => {
+      this.#over = true;
+      this.jsPsych.abortExperiment();
+      leaveSession(this.store);
+    };
+  }
+
   #unanswered() {
     const answered = new Set(this.session.answered);
     return this.session.schedule.filter(
@@ -111,9 +121,12 @@ class Visit {
   }
 
   #questions() {
-    const { study, questionnaire_answered: answered } = this.session;
+    const { study, schedule, questionnaire_answered: answered } = this.session;
     if (answered || this.#isWaiting("questionnaire")) return [];
+    // Another person must not see what this one has typed so far.
+    const other = this.#unanswered().length ? undefined : this.#otherPerson();
     return [
+      ...(other ? [screens.welcomeBack(schedule.length, schedule.length, other)] : []),
       questionnaireTrial({
         questions: study.questionnaire,
         store: this.store,

@@ -173,7 +173,8 @@ def test_reload_closed_tab_and_back(subject: PageSubject, served: ServedStudy) -
     subject.answer_pairs(4, 5)
     subject.fill_questionnaire("20", "kept")
     subject.browser.refresh()
-    subject.await_heading("A few questions")
+    subject.pass_screens("Welcome back")
+    subject.pass_screens("A few questions")
     assert subject.all("textarea")[0].get_attribute("value") == "kept"
     subject.click("#jspsych-survey-html-form-next")
     subject.await_heading("Finished")
@@ -186,6 +187,33 @@ def test_reload_closed_tab_and_back(subject: PageSubject, served: ServedStudy) -
     data = served.read()
     assert data.trials["response"].tolist() == ["left", "right", "left", "left", "left"]
     assert len(data.subjects) == 1
+
+
+def test_the_next_person_does_not_go_on_for_the_last(
+    subject: PageSubject, served: ServedStudy
+) -> None:
+    """Whoever finds another's unfinished session in the browser begins one of their own."""
+    subject.browser.get(served.address)
+    subject.pass_screens("Pair")
+    subject.answer_pairs(1, 2)
+    wait_until(lambda: served.answered() == [0, 1], "two answers")
+    subject.browser.get(served.address)
+    subject.pass_screens("Welcome back")
+    subject.click("#study button:nth-of-type(2)")
+    subject.pass_screens("Pair")
+    subject.answer_pairs(1, 1)
+    wait_until(lambda: len(served.read().trials) == 3, "three answers")
+    counts = served.read().trials["subject"].value_counts()
+    assert sorted(counts) == [1, 2]
+    subject.answer_pairs(2, 5)
+    subject.fill_questionnaire("20", "secret")
+    subject.browser.refresh()
+    subject.pass_screens("Welcome back")
+    subject.click("#study button:nth-of-type(2)")
+    subject.pass_screens("Pair")
+    subject.answer_pairs(1, 5)
+    subject.await_heading("A few questions")
+    assert subject.all("textarea")[0].get_attribute("value") == ""
 
 
 def test_refused_answers_are_given_as_a_file(
