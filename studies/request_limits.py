@@ -60,7 +60,7 @@ class RequestLimits:
     address_rate: float = 200.0
     address_burst: float = 1000.0
     opening_rate: float = 2.0
-    opening_burst: float = 120.0
+    opening_burst: float = 400.0
 
 
 UNLIMITED = RequestLimits(65_536, *[math.inf] * 6)

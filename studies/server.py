@@ -6,6 +6,7 @@ server tells nobody which picture is whose, and keeps no address.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,8 @@ from studies.served_stimuli import ServedStimuli
 from studies.session_documents import session_document, study_document
 from studies.session_records import RefusedError, UnknownSessionError, UnknownTrialError
 from studies.study_records import Study
+
+_log = logging.getLogger(__name__)
 
 RETRY_SECONDS = "1"
 """What a client waits before it sends again what a busy or full database did not take."""
@@ -231,6 +234,8 @@ def _unfit(_request: Request, error: RequestValidationError) -> JSONResponse:
     return JSONResponse({"detail": f"{place[:200]}: {first['msg']}"}, 422)
 
 
-def _unavailable(_request: Request, _error: SQLAlchemyError) -> JSONResponse:
+def _unavailable(_request: Request, error: SQLAlchemyError) -> JSONResponse:
+    # Only what the database says: statements hold answers.
+    _log.warning("the database refused: %s", getattr(error, "orig", type(error).__name__))
     sentence = "the database does not take this now: send it again"
     return JSONResponse({"detail": sentence}, 503, {"Retry-After": RETRY_SECONDS})

@@ -150,6 +150,8 @@ def _sqlite(url: URL) -> Engine:
         raise RelightlabError(
             f"the folder {path.parent} does not exist: make it, or choose another"
         )
+    # Comments are nobody else's to read; SQLite gives its other files the same permissions.
+    path.touch(mode=0o600, exist_ok=True)
     engine = create_engine(
         url, pool_size=8, max_overflow=64, connect_args={"check_same_thread": False}
     )

@@ -86,6 +86,7 @@ def verify_codes_command(
         Path | None,
         typer.Argument(metavar="CODES.csv", help="A panel's export, with the codes handed in."),
     ] = None,
+    pilot: Annotated[bool, typer.Option("--pilot", help="Codes of pilot sessions, too.")] = False,
     key: Key = None,
     json: JsonFile = None,
 ) -> None:
@@ -96,7 +97,9 @@ def verify_codes_command(
     from studies.tables import MODES
 
     store = _opened(database, key)
-    codes = completion_codes(store.key, store.read(MODES))
+    # Anyone may open a pilot session, so its code earns nothing unless it is asked for.
+    modes = MODES if pilot else tuple(mode for mode in MODES if mode != "pilot")
+    codes = completion_codes(store.key, store.read(modes))
     if codes_file is None:
         print_table("Completion codes", ["subject", "code"], [list(one) for one in codes.items()])
         checked = []

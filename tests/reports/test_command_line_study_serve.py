@@ -77,6 +77,29 @@ def test_codes_are_listed(
     assert all(code in shown for code in codes.values())
 
 
+def test_a_pilots_code_earns_nothing(
+    answered: tuple[str, dict[str, str]], study: Study, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The code of a pilot session in the same database is known only where pilots are asked for."""
+    database, _ = answered
+    store = ResponseStore(database)
+    token = store.open_session(study, IDS | {"PROLIFIC_PID": "carl"}, "pilot").token
+    for trial in range(6):
+        store.record(token, trial, ANSWER)
+    store.record_questionnaire(token, {"age": "31"})
+    code = store.finish(token)
+    store.close()
+    assert run(["study", "verify-codes", database]) == 0
+    assert code not in capsys.readouterr().out
+    assert run(["study", "verify-codes", database, "--pilot"]) == 0
+    assert code in capsys.readouterr().out
+
+
+def test_nobody_else_reads_the_database(answered: tuple[str, dict[str, str]]) -> None:
+    """The file of the answers can be read by its owner alone."""
+    assert Path(answered[0]).stat().st_mode & 0o077 == 0
+
+
 def test_one_subject_is_given_out_and_deleted(
     answered: tuple[str, dict[str, str]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
