@@ -23,7 +23,7 @@ from evaluation.paired_statistics import (
 from evaluation.stored_cells import missing_reason
 from evaluation.study_variants import TABLE, VARIANTS
 from evaluation.weight_rules import CellGrid, regressed_by_own_lights
-from shading_model.arrays import Float
+from shading_model.arrays import Float, Mask
 from shading_model.object_model import Weights
 from shading_model.seeds import generator_for
 
@@ -68,22 +68,24 @@ class BaseShapeTable:
         list of dict
             ``dataset, shape, weights``; ``imse``, the mean over objects of the mean over lights,
             and ``low, high``, its interval; ``relative_imse``, over the mean squared target;
-            ``difference`` to the contour shape with ``difference_low, difference_high``, paired;
-            ``objects``, ``cells``.
+            ``difference`` to the contour shape with ``difference_low, difference_high``, paired,
+            NaN where that was not measured; ``objects``, ``cells``. An object that a shape failed
+            on is left out of all means, a shape that failed on every object leaves none out.
         """
         return [row for rule in RULES for row in self._rule_rows(variant, rule)]
 
     def _rule_rows(self, variant: str, rule: str) -> Iterator[Row]:
         means = self._means(variant, rule)
+        shared = self._shared_objects(variant, rule)
         for index, shape in enumerate(self.shapes):
             errors = self.errors[variant, shape, rule]
-            whole = np.isfinite(errors).any(axis=1)
+            whole = np.isfinite(errors).any(axis=1) & shared
             yield {
                 "dataset": self.dataset,
                 "shape": shape,
                 "weights": rule,
                 "imse": float(means.mean[index]),
-                "relative_imse": _mean(errors) / _mean(self.power[variant]),
+                "relative_imse": _mean(errors[whole]) / _mean(self.power[variant][whole]),
                 "low": float(means.low[index]),
                 "high": float(means.high[index]),
                 "difference": float(means.difference[index]),
@@ -177,10 +179,17 @@ class BaseShapeTable:
         """The shapes of the published table that were measured."""
         return tuple(shape for shape in self.shapes if shape in RIVAL_SHAPES)
 
+    def _shared_objects(self, variant: str, rule: str) -> Mask:
+        """Return the objects known on every shape that is known on any."""
+        errors = (self.errors[variant, shape, rule] for shape in self.shapes)
+        known = np.array([np.isfinite(one).any(axis=1) for one in errors])
+        shared: Mask = np.asarray(known[known.any(axis=1)].all(axis=0))
+        return shared
+
     def _means(self, variant: str, rule: str) -> PairedMeans:
         columns = [_row_means(self.errors[variant, shape, rule]) for shape in self.shapes]
         generator = generator_for("base shapes", self.dataset, variant, rule)
-        reference = self.shapes.index(REFERENCE) if REFERENCE in self.shapes else 0
+        reference = self.shapes.index(REFERENCE) if REFERENCE in self.shapes else None
         return paired_means(np.stack(columns, axis=1), reference, generator)
 
     def _relative(self, variant: str, rule: str) -> Float:

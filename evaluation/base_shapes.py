@@ -257,9 +257,13 @@ def _true_shape(request: ShapeRequest) -> tuple[Map, Normals]:
 
 
 def _albedo(request: ShapeRequest) -> Float:
-    """Return what the sensor's light is reflected by: the true albedo where it is known."""
+    """Return what the sensor's light is reflected by: the true albedo where it is known.
+
+    Else the photograph of the object, and not the image that a model is built from: what a sensor
+    reads does not depend on which photograph is left out.
+    """
     albedo = request.capture.truth.albedo
-    return request.image if albedo is None else albedo
+    return request.capture.photograph.image if albedo is None else albedo
 
 
 def _shape_of_fit(request: ShapeRequest, images: Sequence[Image]) -> CoarseShape:

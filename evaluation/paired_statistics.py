@@ -42,7 +42,7 @@ class PairedMeans:
 
 
 def paired_means(
-    values: Float, reference: int, generator: np.random.Generator, draws: int = DRAWS
+    values: Float, reference: int | None, generator: np.random.Generator, draws: int = DRAWS
 ) -> PairedMeans:
     """Return means over objects and percentile intervals at 95 %, objects drawn with replacement.
 
@@ -52,16 +52,17 @@ def paired_means(
     Parameters
     ----------
     values : (objects, m) array
-        Objects with a NaN are left out.
-    reference : int
-        Index of the method that differences are taken to.
+        Objects with a NaN are left out, but for methods that are NaN on all of them.
+    reference : int or None
+        Index of the method that differences are taken to; None for NaN in their place.
     generator : numpy.random.Generator
     draws : int
 
     Returns
     -------
     PairedMeans
-        NaN where no object is whole; intervals of fewer than two objects are NaN.
+        NaN where no object is whole, and for methods without a value; intervals of fewer than two
+        objects are NaN.
 
     Examples
     --------
@@ -69,17 +70,18 @@ def paired_means(
     >>> found.mean, found.difference_low
     (array([2., 3.]), array([0., 1.]))
     """
-    whole = values[np.isfinite(values).all(axis=1)]
+    whole = _whole(values)
     count = len(whole)
     unknown = np.full(values.shape[1], np.nan)
     mean = whole.mean(axis=0) if count else unknown
-    difference = mean - mean[reference]
+    difference = mean - (np.nan if reference is None else mean[reference])
     if count < FEWEST_DRAWN:
         return PairedMeans(mean, unknown, unknown, difference, unknown, unknown)
     shares = generator.multinomial(count, np.full(count, 1 / count), size=draws) / count
     means = shares @ whole
     low, high = _interval(means)
-    return PairedMeans(mean, low, high, difference, *_interval(means - means[:, [reference]]))
+    apart = means - (np.nan if reference is None else means[:, [reference]])
+    return PairedMeans(mean, low, high, difference, *_interval(apart))
 
 
 def friedman_test(values: Float) -> dict[str, float] | None:
@@ -88,7 +90,7 @@ def friedman_test(values: Float) -> dict[str, float] | None:
     Parameters
     ----------
     values : (objects, m) array
-        Objects with a NaN are left out.
+        Methods that are NaN on all objects are left out, then objects with a NaN.
 
     Returns
     -------
@@ -101,15 +103,15 @@ def friedman_test(values: Float) -> dict[str, float] | None:
     >>> round(friedman_test(ranked)["statistic"], 6)
     8.0
     """
-    whole = values[np.isfinite(values).all(axis=1)]
-    if len(whole) < FEWEST_OBJECTS or values.shape[1] < FEWEST_METHODS:
+    whole = _whole(values[:, np.isfinite(values).any(axis=0)])
+    if len(whole) < FEWEST_OBJECTS or whole.shape[1] < FEWEST_METHODS:
         return None
     found = friedmanchisquare(*whole.T)
     return {
         "statistic": float(found.statistic),
         "p": float(found.pvalue),
         "objects": len(whole),
-        "methods": values.shape[1],
+        "methods": whole.shape[1],
     }
 
 
@@ -119,7 +121,8 @@ def pairwise_tests(values: Float, names: Sequence[str]) -> list[dict[str, Any]]:
     Parameters
     ----------
     values : (objects, m) array
-        Errors, comparable between objects; objects with a NaN are left out.
+        Errors, comparable between objects; objects with a NaN are left out, but for methods
+        that are NaN on all of them.
     names : sequence of str
         Of the m methods.
 
@@ -128,7 +131,8 @@ def pairwise_tests(values: Float, names: Sequence[str]) -> list[dict[str, Any]]:
     list of dict
         ``first, second``; ``wins`` and ``losses``, on how many objects the first has the smaller
         and the larger error; ``median_difference`` of first minus second; ``p`` and ``p_holm``,
-        the latter corrected for all pairs by Holm's method (1 where all differences are zero).
+        the latter corrected for all pairs by Holm's method (1 where all differences are zero, or
+        none is known).
 
     Examples
     --------
@@ -137,10 +141,11 @@ def pairwise_tests(values: Float, names: Sequence[str]) -> list[dict[str, Any]]:
     >>> found["wins"], found["p"]
     (3, 0.25)
     """
-    whole = values[np.isfinite(values).all(axis=1)]
+    whole = _whole(values)
     rows: list[dict[str, Any]] = []
     for first, second in itertools.combinations(range(len(names)), 2):
         difference = whole[:, first] - whole[:, second]
+        difference = difference[np.isfinite(difference)]
         rows.append(
             {
                 "first": names[first],
@@ -156,6 +161,13 @@ def pairwise_tests(values: Float, names: Sequence[str]) -> list[dict[str, Any]]:
         for row, p in zip(rows, corrected.tolist(), strict=True):
             row["p_holm"] = p
     return rows
+
+
+def _whole(values: Float) -> Float:
+    """Return the objects that are known on every method that is known at all."""
+    known = np.isfinite(values)
+    whole: Float = values[known[:, known.any(axis=0)].all(axis=1) & known.any(axis=1)]
+    return whole
 
 
 def _interval(samples: Float) -> tuple[Float, Float]:

@@ -108,7 +108,7 @@ def p_words(p: float) -> str:
 
 
 def measured_objects(document: Document) -> int:
-    """Return over how many objects all shapes of the paper's table are known.
+    """Return over how many objects the shapes of the paper's table are compared.
 
     Parameters
     ----------
@@ -118,9 +118,14 @@ def measured_objects(document: Document) -> int:
     Returns
     -------
     int
+        Those on which all are known, under the published rules: a regression of weights learns
+        nothing from a single object. Shapes that failed on every object do not count.
     """
-    counts = [row["objects"] for row in document["rows"] if row["shape"] in RIVAL_SHAPES]
-    return min(counts, default=0)
+    rules, known = judged_rules(document), dict[tuple[str, str], set[str]]()
+    for row in document["objects"]:
+        if row["shape"] in RIVAL_SHAPES and row["weights"] in rules and row["imse"] is not None:
+            known.setdefault((row["shape"], row["weights"]), set()).add(row["object"])
+    return len(set.intersection(*known.values())) if known else 0
 
 
 def can_decide(document: Document) -> bool:

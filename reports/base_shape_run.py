@@ -144,13 +144,19 @@ def study_experiment(
     Raises
     ------
     RelightlabError
-        For unknown names, or a dataset without photographs under known lights.
+        For unknown names, a dataset without photographs under known lights, or a quick choice of
+        nothing but shapes that take a fit.
     """
     if choice.channels not in CHANNELS:
         raise unknown_name("channels", choice.channels, CHANNELS)
     fits = SirfsFits.in_store(store)
     context = BaseShapeContext(dataset, shipped_parameters(), choice.channels, fits)
     shapes = choice.shapes_of(dataset)
+    if not shapes:
+        raise RelightlabError(
+            f"a quick study leaves out {' and '.join(FITTED_SHAPES)}, and no other base shape was"
+            " asked for: drop --quick, or name another one"
+        )
     return base_shape_experiment(context, choice.variants, shapes, choice.objects)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 
@@ -158,6 +159,30 @@ def test_a_fit_that_fails_leaves_the_other_shapes(
     assert {key[2] for key in missing} == {"sirfs", "sirfs-stereo"}
     found = base_shape_table(experiment, grid_status(experiment, rows))
     assert any("diverged" in one["reason"] for one in found.missing)
+    failed = ("sirfs", "sirfs-stereo")
+    for row in found.rows():
+        known = row["shape"] not in failed and row["weights"] != "regression"
+        assert (row["objects"], math.isfinite(row["imse"])) == (int(known), known)
+        assert math.isfinite(row["relative_imse"]) is known
+
+
+def test_an_object_that_a_shape_failed_on_is_in_no_mean(table: BaseShapeTable) -> None:
+    """Every shape's means are over the same objects, as many as the row says."""
+    errors = {key: found.copy() for key, found in table.errors.items()}
+    for rule in RULES:
+        errors[TABLE, "sirfs", rule][0] = np.nan
+    for row in dataclasses.replace(table, errors=errors).rows():
+        own = table.errors[TABLE, row["shape"], row["weights"]][1:]
+        assert row["objects"] == len(own)
+        assert row["imse"] == pytest.approx(own.mean())
+        assert row["relative_imse"] == pytest.approx(own.mean() / table.power[TABLE][1:].mean())
+
+
+def test_without_the_contour_there_is_no_difference_to_it(table: BaseShapeTable) -> None:
+    """Differences are to the contour shape or to nothing."""
+    for row in dataclasses.replace(table, shapes=("kinect", "flat")).rows():
+        assert math.isfinite(row["imse"])
+        assert math.isnan(row["difference"])
 
 
 def test_every_variant_can_be_measured(tiny_set: Synthetic) -> None:

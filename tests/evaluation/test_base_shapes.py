@@ -103,3 +103,14 @@ def test_unknown_pixels_get_what_the_nearest_known_has() -> None:
     assert np.isnan(filled.height[0, 3])
     with pytest.raises(RelightlabError, match="not known anywhere on the mask"):
         filled_shape(np.full((1, 4), np.nan), facing, mask)
+
+
+def test_a_sensor_reads_the_same_whatever_is_left_out(request_for: ShapeRequest) -> None:
+    """Without a true albedo its light is reflected by the object as photographed, not as built."""
+    truth = dataclasses.replace(request_for.capture.truth, albedo=None)
+    request = dataclasses.replace(
+        request_for, capture=dataclasses.replace(request_for.capture, truth=truth)
+    )
+    other = dataclasses.replace(request, image=request.image**2)
+    heights = [BASE_SHAPES["kinect"](one).height for one in (request, other)]
+    assert np.array_equal(*heights, equal_nan=True)

@@ -31,7 +31,7 @@ def test_a_bootstrap_interval_is_that_of_the_normal_law_for_many_objects() -> No
 
 def test_the_interval_of_a_difference_is_paired() -> None:
     """A method that is better by the same amount everywhere is so without any doubt."""
-    values = [*errors_of(3, methods=1), 0.0, 0.01]
+    values = errors_of(3, methods=1) + np.array([0.0, 0.01])
     found = paired_means(values, 0, np.random.default_rng(0))
     assert np.allclose([found.difference_low[1], found.difference_high[1]], 0.01)
     assert found.high[0] - found.low[0] > 0.1
@@ -121,3 +121,28 @@ def test_equal_methods_do_not_differ() -> None:
     """Methods with the same errors tie everywhere, with p one."""
     row = pairwise_tests(np.ones((5, 2)), ["one", "other"])[0]
     assert (row["wins"], row["losses"], row["p"], row["p_holm"]) == (0, 0, 1.0, 1.0)
+
+
+def test_a_method_that_failed_everywhere_leaves_the_others() -> None:
+    """Its column of NaN is NaN in all that is found, and changes nothing of the other methods."""
+    values = errors_of(5)
+    failed = np.column_stack([values, np.full(len(values), np.nan)])
+    found = paired_means(failed, 0, np.random.default_rng(0))
+    expected = paired_means(values, 0, np.random.default_rng(0))
+    for name in ("mean", "low", "high", "difference", "difference_low", "difference_high"):
+        assert np.allclose(getattr(found, name)[:3], getattr(expected, name))
+        assert np.isnan(getattr(found, name)[3])
+    assert friedman_test(failed) == friedman_test(values)
+    pairs = {(row["first"], row["second"]): row for row in pairwise_tests(failed, "abcd")}
+    alone = {(row["first"], row["second"]): row for row in pairwise_tests(values, "abc")}
+    assert all(pairs[key]["p"] == alone[key]["p"] for key in alone)
+    assert (pairs["a", "d"]["wins"], pairs["a", "d"]["p"]) == (0, 1.0)
+    assert np.isnan(pairs["a", "d"]["median_difference"])
+
+
+def test_without_a_reference_there_is_no_difference() -> None:
+    """Means and intervals are the same; differences are NaN."""
+    values = errors_of(6)
+    found = paired_means(values, None, np.random.default_rng(0))
+    assert np.allclose(found.low, paired_means(values, 0, np.random.default_rng(0)).low)
+    assert np.isnan([found.difference, found.difference_low, found.difference_high]).all()

@@ -99,3 +99,18 @@ def test_rules_are_those_published() -> None:
 def test_small_p_has_no_exponent() -> None:
     """A p-value is never printed with an exponent."""
     assert [p_words(p) for p in (1.0, 0.25, 0.00012, 1e-9)] == ["1", "0.25", "0.00012", "< 0.0001"]
+
+
+def test_objects_are_counted_under_the_published_rules() -> None:
+    """One object counts though no regression learns from it; a shape that failed does not count."""
+    document = study_document(objects=1)
+    for row in document["objects"]:
+        if row["weights"] == "regression":
+            row["imse"] = None
+    assert measured_objects(document) == 1
+    assert measured_objects(study_document({**PAPERS, "sirfs": np.nan}, objects=9)) == 9
+    apart = study_document(objects=9)
+    for row in apart["objects"]:
+        if (row["object"], row["shape"]) in {("object 00", "sirfs"), ("object 01", "kinect")}:
+            row["imse"] = None
+    assert measured_objects(apart) == 7

@@ -119,6 +119,7 @@ def test_rows_are_kept_and_resumed(
         (("--objects", "teapot"), "Unknown object"),
         (("--channels", "grey"), "Did you mean 'gray'"),
         (("--dataset", "psm-uww"), "psm-uww"),
+        (("--quick", "--shapes", "sirfs"), "no other base shape was asked for"),
     ],
 )
 def test_wrong_use_is_a_sentence(
