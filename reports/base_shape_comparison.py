@@ -108,7 +108,7 @@ def p_words(p: float) -> str:
 
 
 def measured_objects(document: Document) -> int:
-    """Return over how many objects all shapes of the paper's table are known.
+    """Return over how many objects the paper's shapes are known under its rules.
 
     Parameters
     ----------
@@ -119,7 +119,12 @@ def measured_objects(document: Document) -> int:
     -------
     int
     """
-    counts = [row["objects"] for row in document["rows"] if row["shape"] in RIVAL_SHAPES]
+    rules = judged_rules(document)
+    counts = [
+        row["objects"]
+        for row in document["rows"]
+        if row["shape"] in RIVAL_SHAPES and row["weights"] in rules
+    ]
     return min(counts, default=0)
 
 
@@ -185,3 +190,22 @@ def judged_rules(document: Document) -> tuple[str, ...]:
     tuple of str
     """
     return tuple(dict.fromkeys(row["weights"] for row in document["published"]))
+
+
+def reported_rules(document: Document) -> tuple[str, ...]:
+    """Return the weight rules that there is something to report of.
+
+    Weights regressed for an object are learned on the others, so a set of one object has none,
+    though no cell of it is missing.
+
+    Parameters
+    ----------
+    document : mapping
+
+    Returns
+    -------
+    tuple of str
+    """
+    rules = dict.fromkeys(row["weights"] for row in document["rows"])
+    known = {row["weights"] for row in document["rows"] if row["imse"] is not None}
+    return tuple(rule for rule in rules if rule in known or document["missing"])
