@@ -112,9 +112,8 @@ def _variant_cells(
     note = "" if row is first else ("the same" if same else "changes")
     if same and len(row["order"]) < len(first["order"]):
         note = "the same, as far as measured"
-    lowest = min(
-        (row["imse"][s] for s in RIVAL_SHAPES if row["imse"].get(s) is not None), default=None
-    )
+    known = [row["imse"].get(s) for s in RIVAL_SHAPES if row["imse"].get(s) is not None]
+    lowest = min(known) if known and len(row["order"]) == len(first["order"]) else None
     return (
         Cell(row["words"], role="head"),
         Cell(order, note, role="" if same else "ours"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from evaluation.base_shape_table import RULES
@@ -158,11 +157,14 @@ def test_changed_orders_are_shown(varied: dict[str, object]) -> None:
 
 
 def test_lowest_rival_is_marked(varied: dict[str, object]) -> None:
-    """In each row the lowest error of the paper's four shapes stands out, and no bound does."""
-    for row in lines(sensitivity_table(varied, SHAPE_WORDS), "default").values():
-        values = [float(cell.text) if cell.text != NONE else np.inf for cell in row[2:6]]
-        assert [cell.role == "ours" for cell in row[2:6]] == [v == min(values) for v in values]
-        assert all(cell.role == "" for cell in row[6:])
+    """The lowest error of the four shapes stands out where all were measured, and no bound does."""
+    for name, row in lines(sensitivity_table(varied, SHAPE_WORDS), "default").items():
+        marked = [cell.role == "ours" for cell in row[2:]]
+        if name == "mean of the other photographs":
+            assert not any(marked)
+        else:
+            values = [float(cell.text) for cell in row[2:6]]
+            assert marked == [*(value == min(values) for value in values), False, False]
 
 
 def test_changes_are_told_in_words(varied: dict[str, object]) -> None:
