@@ -190,3 +190,22 @@ def judged_rules(document: Document) -> tuple[str, ...]:
     tuple of str
     """
     return tuple(dict.fromkeys(row["weights"] for row in document["published"]))
+
+
+def reported_rules(document: Document) -> tuple[str, ...]:
+    """Return the weight rules that there is something to report of.
+
+    Weights regressed for an object are learned on the others, so a set of one object has none,
+    though no cell of it is missing.
+
+    Parameters
+    ----------
+    document : mapping
+
+    Returns
+    -------
+    tuple of str
+    """
+    rules = dict.fromkeys(row["weights"] for row in document["rows"])
+    known = {row["weights"] for row in document["rows"] if row["imse"] is not None}
+    return tuple(rule for rule in rules if rule in known or document["missing"])

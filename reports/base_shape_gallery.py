@@ -119,11 +119,11 @@ def lights_figure(document: Document, built: Built) -> PanelFigure:
     return PanelFigure(
         f"lights-{key_of(document)}",
         f"The photographs and their lights: {title}",
-        "After the paper's `fig:dataset`. Above: objects, as the models are built from them. Below:"
-        f" every photograph of {name} and the light it is relit with, on a white sphere. Pictures"
-        " have exposures of their own.",
+        "After the paper's `fig:dataset`. Objects as their models are built from them, where there"
+        f" are several, and every photograph of {name} with the light it is relit with, on a white"
+        " sphere. Pictures have exposures of their own.",
         (
-            PanelRow("Objects", objects, ABREAST[0]),
+            *([PanelRow("Objects", objects, ABREAST[0])] if len(objects) > 1 else []),
             PanelRow(f"{name} under {len(lit)} lights", lights, _abreast(len(lit))),
         ),
     )

@@ -13,6 +13,7 @@ from reports.base_shape_words import (
     file_of,
     key_of,
     measured_shapes,
+    short_words,
 )
 from reports.content import Cell, Group, Table
 from reports.rows_behind import rows_behind
@@ -20,7 +21,7 @@ from reports.table1_tables import NONE, number, stamped
 
 Row = Mapping[str, Any]
 LAYOUT = "sensitivity"
-"""Of these tables; their last column is words."""
+"""Of these tables; their second column is words."""
 
 
 def sensitivity_table(document: Document, words: Mapping[str, str]) -> Table:
@@ -35,15 +36,15 @@ def sensitivity_table(document: Document, words: Mapping[str, str]) -> Table:
     -------
     Table
     """
-    shapes = measured_shapes(document)
+    shapes, called = measured_shapes(document), short_words(words)
     groups = tuple(
-        Group(title, tuple(_variant_cells(row, rows[0], shapes, words) for row in rows))
-        for title, rows in by_rule(document["sensitivity"])
+        Group(title, tuple(_variant_cells(row, rows[0], shapes, called) for row in rows))
+        for title, rows in by_rule(document, "sensitivity")
     )
     return Table(
         f"base-shape-sensitivity-{key_of(document)}",
         stamped(dict(document), SENSITIVITY_CAPTION),
-        (head_of(("Built from, or changed", *(words[s] for s in shapes), "order")),),
+        (head_of(("Built from, or changed", "order", *(called[s] for s in shapes))),),
         groups,
         rows_behind(document, "sensitivity", file=file_of(document)),
         layout=LAYOUT,
@@ -92,7 +93,7 @@ def sensitivity_words(document: Document) -> str:
         Empty where only the table's own variant was measured.
     """
     said = []
-    for title, rows in by_rule(document["sensitivity"]):
+    for title, rows in by_rule(document, "sensitivity"):
         others = rows[1:]
         changed = [row["words"] for row in changed_orders(rows)]
         if not others:
@@ -106,19 +107,18 @@ def sensitivity_words(document: Document) -> str:
 def _variant_cells(
     row: Row, first: Row, shapes: Sequence[str], words: Mapping[str, str]
 ) -> tuple[Cell, ...]:
-    order = " < ".join(words[shape].split(" (")[0] for shape in row["order"]) or NONE
+    order = " < ".join(words[shape].removesuffix(" (simulated)") for shape in row["order"]) or NONE
     same = _same_order(row, first)
     note = "" if row is first else ("the same" if same else "changes")
     if same and len(row["order"]) < len(first["order"]):
         note = "the same, as far as measured"
-    lowest = min(
-        (row["imse"][s] for s in RIVAL_SHAPES if row["imse"].get(s) is not None), default=None
-    )
+    known = [row["imse"].get(s) for s in RIVAL_SHAPES if row["imse"].get(s) is not None]
+    lowest = min(known) if known and len(row["order"]) == len(first["order"]) else None
     return (
         Cell(row["words"], role="head"),
+        Cell(order, note, role="" if same else "ours"),
         *(
             Cell(number(value), role="ours" if value is not None and value == lowest else "")
             for value in (row["imse"].get(shape) for shape in shapes)
         ),
-        Cell(order, note, role="" if same else "ours"),
     )

@@ -6,7 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from evaluation.base_shape_table import REFERENCE
-from reports.base_shape_comparison import SAME, can_decide, compared, judged_rules, p_words
+from reports.base_shape_comparison import (
+    SAME,
+    can_decide,
+    compared,
+    judged_rules,
+    p_words,
+    reported_rules,
+)
 from reports.base_shape_words import (
     OBJECTS_CAPTION,
     PAIRS_CAPTION,
@@ -50,7 +57,7 @@ def shape_table(document: Document, words: Mapping[str, str]) -> Table:
     )
     groups = tuple(
         Group(title, tuple(_shape_cells(document, words, row) for row in rows))
-        for title, rows in by_rule(document["rows"])
+        for title, rows in by_rule(document, "rows")
     )
     behind = rows_behind(document, "rows", "published", file=file_of(document))
     return Table(
@@ -78,7 +85,7 @@ def pair_table(document: Document, words: Mapping[str, str]) -> Table:
     heads = ("Pair", "first lower", "second lower", "median, % of I²", "p", "p, Holm", "reading")
     groups = tuple(
         Group(title, tuple(_pair_cells(document, words, row) for row in rows))
-        for title, rows in by_rule(document["pairs"])
+        for title, rows in by_rule(document, "pairs")
     )
     return Table(
         f"base-shape-pairs-{key_of(document)}",
@@ -103,9 +110,8 @@ def object_table(document: Document, words: Mapping[str, str]) -> Table:
     Table
     """
     shapes = measured_shapes(document)
-    rules = judged_rules(document)
     groups = []
-    for title, rows in by_rule([row for row in document["objects"] if row["weights"] in rules]):
+    for title, rows in by_rule(document, "objects", judged_rules(document)):
         errors = {(row["object"], row["shape"]): row["relative_imse"] for row in rows}
         names = dict.fromkeys(row["object"] for row in rows)
         lines = tuple(
@@ -122,26 +128,28 @@ def object_table(document: Document, words: Mapping[str, str]) -> Table:
     )
 
 
-def by_rule(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
-    """Return rows by weight rule, with the words for it.
+def by_rule(
+    document: Document, part: str, rules: Sequence[str] = ()
+) -> list[tuple[str, list[Row]]]:
+    """Return the rows of a part by weight rule, with the words for it.
 
     Parameters
     ----------
-    rows : sequence of mappings
+    document : mapping
+    part : str
+        A key of the document.
+    rules : sequence of str
+        Those wanted; by default all that there is something to report of.
 
     Returns
     -------
     list of (str, list)
-
-    Examples
-    --------
-    >>> by_rule([{"weights": "oracle"}])
-    [('Oracle weights', [{'weights': 'oracle'}])]
     """
-    found: dict[str, list[Row]] = {}
-    for row in rows:
-        found.setdefault(row["weights"], []).append(row)
-    return [(RULE_WORDS.get(rule, rule), own) for rule, own in found.items()]
+    found: dict[str, list[Row]] = {rule: [] for rule in rules or reported_rules(document)}
+    for row in document[part]:
+        if row["weights"] in found:
+            found[row["weights"]].append(row)
+    return [(RULE_WORDS.get(rule, rule), own) for rule, own in found.items() if own]
 
 
 def head_of(words: Sequence[str]) -> tuple[Cell, ...]:

@@ -38,7 +38,8 @@ TABLE_CAPTION = (
     " photograph. Minus contour: the paired difference and its interval. Over contour: an error"
     " divided by that of the contour shape under the same rule, here and as published. The paper's"
     " ten objects were never released, so only these proportions and the order can be compared"
-    " with it. It has no row with regression weights."
+    " with it. Regression weights, learned on the other objects, are not in its table, and one"
+    " object alone has none."
 )
 PAIRS_CAPTION = (
     "Pairs of the paper's four shapes by relative error: on how many objects each is lower, the"
