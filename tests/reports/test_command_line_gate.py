@@ -32,7 +32,7 @@ def records(small: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     folder = tmp_path / "records"
     assert run(["gate", "record", *ONE, "--records", str(folder), "--reason", "at first"]) == 0
     shown = capsys.readouterr().out
-    assert shown == f"written: {folder / 'synthetic.json'} (100 errors)\n"
+    assert shown == f"written: {folder / 'synthetic.json'} (260 errors)\n"
     return folder
 
 
@@ -58,10 +58,10 @@ def test_recorded_then_checked(
     target = tmp_path / "gate.json"
     assert check(records, "--json", str(target)) == 0
     shown = capsys.readouterr().out
-    assert re.search(r"synthetic: 100 errors compared .* \d+ s: 0 worse, 0 better", shown)
+    assert re.search(r"synthetic: 260 errors compared .* \d+ s: 0 worse, 0 better", shown)
     assert "(at first)" in shown
     (comparison,) = json.loads(target.read_text(encoding="utf-8"))["comparisons"]
-    assert (comparison["passed"], comparison["compared"]) == (True, 100)
+    assert (comparison["passed"], comparison["compared"]) == (True, 260)
 
 
 def test_a_worse_cell_fails(records: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -109,7 +109,7 @@ def test_many_cells_are_counted(records: Path, capsys: pytest.CaptureFixture[str
     assert check(records) == 1
     shown = capsys.readouterr().out
     assert shown.count("worse: ") == 11
-    assert "worse: 90 more, all with --json" in shown
+    assert "worse: 250 more, all with --json" in shown
 
 
 def test_recording_again_says_what_changes(
@@ -170,7 +170,7 @@ def test_without_the_measured_set(
     assert run(["gate", "check", *there]) == 0
     shown = capsys.readouterr().out
     assert "only the synthetic set is measured" in shown
-    assert "synthetic: 100 errors" in shown
+    assert "synthetic: 260 errors" in shown
 
 
 @pytest.mark.slow
@@ -188,4 +188,4 @@ def test_the_measured_set_is_recorded_and_checked(
     options += ["--records", str(tmp_path), "--workers", "1"]
     assert run(["gate", "record", *options, "--reason", "a reason"]) == 0
     assert run(["gate", "check", *options]) == 0
-    assert "mit-berkeley: 100 errors compared" in capsys.readouterr().out
+    assert "mit-berkeley: 260 errors compared" in capsys.readouterr().out
