@@ -14,6 +14,7 @@ from evaluation.base_shapes import RIVAL_SHAPES
 from evaluation.cell_values import cell_of_values
 from evaluation.experiment import CellKey, Experiment
 from evaluation.grid_status import GridStatus
+from evaluation.known_values import mean_of_known
 from evaluation.paired_statistics import (
     PairedMeans,
     friedman_test,
@@ -85,7 +86,8 @@ class BaseShapeTable:
                 "shape": shape,
                 "weights": rule,
                 "imse": float(means.mean[index]),
-                "relative_imse": _mean(errors[whole]) / _mean(self.power[variant][whole]),
+                "relative_imse": mean_of_known(errors[whole])
+                / mean_of_known(self.power[variant][whole]),
                 "low": float(means.low[index]),
                 "high": float(means.high[index]),
                 "difference": float(means.difference[index]),
@@ -107,9 +109,9 @@ class BaseShapeTable:
                 "object": name,
                 "shape": shape,
                 "weights": rule,
-                "imse": _mean(self.errors[variant, shape, rule][index]),
-                "relative_imse": _mean(self.errors[variant, shape, rule][index])
-                / _mean(self.power[variant][index]),
+                "imse": mean_of_known(self.errors[variant, shape, rule][index]),
+                "relative_imse": mean_of_known(self.errors[variant, shape, rule][index])
+                / mean_of_known(self.power[variant][index]),
             }
             for rule in RULES
             for index, name in enumerate(self.objects)
@@ -162,7 +164,7 @@ class BaseShapeTable:
         return [self._sensitivity_row(variant, rule) for variant in self.variants for rule in RULES]
 
     def _sensitivity_row(self, variant: str, rule: str) -> Row:
-        errors = {s: _mean(self.errors[variant, s, rule]) for s in self.shapes}
+        errors = {s: mean_of_known(self.errors[variant, s, rule]) for s in self.shapes}
         known = [shape for shape in self.rivals if np.isfinite(errors[shape])]
         test = friedman_test(self._relative(variant, rule))
         return {
@@ -270,9 +272,4 @@ def _missing(experiment: Experiment, status: GridStatus, key: CellKey) -> dict[s
 
 def _row_means(values: Float) -> Float:
     """Return the mean of the known values of each row, NaN where there are none."""
-    return np.array([_mean(row) for row in values])
-
-
-def _mean(values: Float) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if known.size else float("nan")
+    return np.array([mean_of_known(row) for row in values])

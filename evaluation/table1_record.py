@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from evaluation.known_values import mean_of_known
 from evaluation.object_measurement import ObjectResult
 from evaluation.object_sets import HELD_OUT, object_sets
 from evaluation.sirfs_measurement import RIVAL, SIRFS_SHADING
@@ -98,8 +99,8 @@ class Table1:
                 "setting": setting,
                 "object": name,
                 **entry,
-                "imse": _mean(row),
-                "relative_imse": _mean(row) / self._power(setting, name),
+                "imse": mean_of_known(row),
+                "relative_imse": mean_of_known(row) / self._power(setting, name),
                 "cells": int(np.isfinite(row).sum()),
             }
             for setting in self.settings()
@@ -180,12 +181,12 @@ class Table1:
             and (result.name == name if name else result.name in self.objects)
             for cell in result.cells["default"]
         ]
-        return _mean(np.array(powers))
+        return mean_of_known(np.array(powers))
 
     def _row(
         self, setting: str, entry: Mapping[str, str], errors: Float
     ) -> dict[str, str | float | int]:
-        imse = _mean(errors)
+        imse = mean_of_known(errors)
         return {
             "dataset": self.dataset,
             "setting": setting,
@@ -194,9 +195,3 @@ class Table1:
             "relative_imse": imse / self._power(setting),
             "cells": int(np.isfinite(errors).sum()),
         }
-
-
-def _mean(values: Float) -> float:
-    """Return the mean of the finite values, NaN if there are none."""
-    finite = values[np.isfinite(values)]
-    return float(finite.mean()) if finite.size else float("nan")

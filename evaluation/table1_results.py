@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from evaluation.known_values import rows_without_nan
 from evaluation.own_rows import OwnRows
 from evaluation.provenance import Provenance
 from evaluation.published_table1 import OPEN_ENTRIES, PUBLISHED
@@ -42,23 +43,18 @@ def table1_document(
             "lights": len(table.coefficients),
             "manual_weights": [table.manual.parametric, table.manual.geometric],
         },
-        "rows": _finite(table.rows() + (own.rows() if own else [])),
-        "test_rows": _finite(table.test_rows()),
-        "baselines": _finite(table.baselines()),
+        "rows": rows_without_nan(table.rows() + (own.rows() if own else [])),
+        "test_rows": rows_without_nan(table.test_rows()),
+        "baselines": rows_without_nan(table.baselines()),
         "published": [dict(entry) for entry in PUBLISHED],
         "quick": table.quick,
         "open": [dict(entry) for entry in OPEN_ENTRIES] if table.quick else [],
-        "objects": _finite(table.object_rows()),
-        "own_objects": _finite(own.object_rows() if own else []),
-        "intrinsic": _finite(table.intrinsic_rows()),
+        "objects": rows_without_nan(table.object_rows()),
+        "own_objects": rows_without_nan(own.object_rows() if own else []),
+        "intrinsic": rows_without_nan(table.intrinsic_rows()),
         "missing": [
             {**found.cell, "reason": found.reason}
             for found in (*table.missing_entries(), *(own.missing_entries() if own else ()))
         ],
         "provenance": provenance.document(),
     }
-
-
-def _finite(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Replace NaN, which JSON does not have, by None."""
-    return [{key: None if value != value else value for key, value in row.items()} for row in rows]  # noqa: PLR0124

@@ -25,6 +25,7 @@ from evaluation.base_shapes import FITTED_SHAPES
 from evaluation.experiment import Experiment
 from evaluation.grid_run import DEFAULT_OPTIONS, RunOptions, run_grid
 from evaluation.grid_status import grid_summary
+from evaluation.known_values import rows_without_nan
 from evaluation.provenance import provenance_of
 from evaluation.published_table2 import PUBLISHED
 from evaluation.rerendering import CHANNELS
@@ -326,21 +327,18 @@ def _document(
             "channels": choice.channels,
             "lights": len(experiment.axes["light"]),
         },
-        "rows": _finite(table.rows(variant)),
-        "objects": _finite(table.object_rows(variant)),
+        "rows": rows_without_nan(table.rows(variant)),
+        "objects": rows_without_nan(table.object_rows(variant)),
         "tests": table.tests(variant),
-        "pairs": _finite(table.pairs(variant)),
-        "sensitivity": [{**row, "imse": _finite([row["imse"]])[0]} for row in table.sensitivity()],
+        "pairs": rows_without_nan(table.pairs(variant)),
+        "sensitivity": [
+            {**row, "imse": rows_without_nan([row["imse"]])[0]} for row in table.sensitivity()
+        ],
         "published": [dict(row) for row in PUBLISHED],
         "quick": choice.quick,
         "missing": [dict(one) for one in missing],
         "provenance": provenance.document(),
     }
-
-
-def _finite(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Replace NaN, which JSON does not have, by None."""
-    return [{key: None if value != value else value for key, value in row.items()} for row in rows]  # noqa: PLR0124
 
 
 def _number(value: float | None, digits: int = 5, *, signed: bool = False) -> str:

@@ -209,6 +209,7 @@ def test_window_too_small(subject: PageSubject, served: ServedStudy) -> None:
     subject.resize(600, 700)
     wait_until(lambda: "too small" not in subject.heading(), "the next screen")
     subject.pass_screens("Pictures")
+    assert served.read().subjects.empty
 
 
 def test_devices_that_do_not_fit(subject: PageSubject, tmp_path: Path) -> None:

@@ -250,6 +250,7 @@ def test_server_restarted(subject: PageSubject, served: ServedStudy) -> None:
     subject.pass_screens("Pair")
     subject.answer_pairs(5, 5)
     wait_until(lambda: served.answered() == ALL, "all answers")
+    assert len(served.read().trials) == len(ALL)
 
 
 def test_two_tabs(subject: PageSubject, served: ServedStudy) -> None:
